@@ -96,20 +96,20 @@ void add_phantom(CLI::App& program, Command& command) {
     options->spine.meshes = options->phantom.named_meshes();
     options->spine.mesh_frame = options->phantom.mesh_frame;
     if (options->spine.asked_for()) {
-      const std::unique_ptr<Spine> spine = options->spine.make();
-      ScanOptions scan = options->phantom.output_options().scan;
-      if (options->spine.trunk_seed) {
-        const TrunkOptions trunk = random_trunk_options(*options->spine.trunk_seed);
-        scan = trunk.scan;
-        print_figure("patient", describe(trunk));
-      }
-      if (slices->count() == 0 && !options->spine.trunk_seed) {
+      std::optional<TrunkOptions> trunk;
+      if (options->spine.trunk_seed) trunk = random_trunk_options(*options->spine.trunk_seed);
+      const std::unique_ptr<Spine> spine = trunk ? std::make_unique<Spine>(trunk->spine) : options->spine.make();
+      ScanOptions scan = trunk ? trunk->scan : options->phantom.output_options().scan;
+      if (trunk) {
+        print_figure("patient", describe(*trunk));
+      } else if (slices->count() == 0) {
         // Meshes end at their bone: without a margin the CT would cut them.
         const double beyond_mm = options->spine.meshes.empty() ? 0.0 : 30.0;
         scan.slices = static_cast<int>((spine->bounds_mm().sizes().z() + beyond_mm) / scan.slice_step_mm) + 1;
       }
       if (!options->spine.centre_mm.empty()) scan.centre_mm = Vec3(options->spine.centre_mm.data());
-      const std::unique_ptr<Surroundings> surroundings = options->spine.surroundings_of(*spine);
+      const std::unique_ptr<Surroundings> surroundings =
+          trunk ? std::make_unique<TrunkTissue>(*spine, trunk->tissue) : options->spine.surroundings_of(*spine);
       write_spine_phantom(*spine, surroundings.get(), scan, options->folder, progress);
       print_figure("seed", static_cast<double>(scan.seed), "", 0);
       print_figure("bodies", static_cast<double>(spine->part_count()), "", 0);

@@ -138,7 +138,6 @@ void SpineCommandOptions::add_to(CLI::App& app) {
 
 std::unique_ptr<Spine> SpineCommandOptions::make() const {
   if (!meshes.empty()) return spine_of_meshes(meshes, mesh_frame, stack_mm);
-  if (trunk_seed) return std::make_unique<Spine>(random_trunk_options(*trunk_seed).spine);
   SpineOptions options = spine;
   if (!levels.empty()) {
     const std::size_t dash = levels.find('-');
@@ -155,13 +154,12 @@ std::unique_ptr<Spine> SpineCommandOptions::make() const {
 }
 
 std::unique_ptr<Surroundings> SpineCommandOptions::surroundings_of(const Spine& made) const {
-  if (trunk_seed) return std::make_unique<TrunkTissue>(made, random_trunk_options(*trunk_seed).tissue);
-  constexpr double kBloodHu = 42.0, kKidneyHu = 180.0;
+  constexpr double kKidneyHu = 180.0;
   if (trunk) {
     TrunkTissueOptions around = tissue;
     if (contrast) around.kidney_hu = kKidneyHu;
     if (!contrast) around.soft.aorta_hu = kBloodHu;
-    if (spine.shoulders) around.shoulder_mm = 45.0;
+    if (spine.shoulders) around.shoulder_mm = kShoulderMm;
     return std::make_unique<TrunkTissue>(made, around);
   }
   if (soft_tissue) return std::make_unique<SoftTissue>(made);

@@ -289,11 +289,9 @@ void add_segment(CLI::App& program, Command& command) {
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 -o spine.seg.nrrd --picture spine.png\n"
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 --include T11=-9,260,-650 --exclude 30,250,-640\n"
       "Points are patient LPS, mm (x to the left, y to the back, z to the head). Without --level, names are a\n"
-      "hint from the sacrum, the ribs and the bodies' sizes, with its probability, or where none is 0.9 likely V1, "
-      "V2,\n"
-      "... from the top. A seed takes its vertebra, with --all\n"
-      "its column. The exit code is 1 where a vertebra is suspect or may be missed, or the CT is doubtful, with all\n"
-      "written, unless --accept-warnings.\n"
+      "hint from the sacrum, the ribs and the bodies' sizes, with its probability, or where none is 0.9 likely\n"
+      "V1, V2, ... from the top. A seed takes its vertebra, with --all its column. The exit code is 1 where a\n"
+      "vertebra is suspect or may be missed, or the CT is doubtful, with all written, unless --accept-warnings.\n"
       "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"
       "Or paint strokes there, in segments named T11, T12 and exclude, and add --strokes strokes.seg.nrrd.");
   add_options(*app, *options);

@@ -88,12 +88,12 @@ TrunkTissueOptions random_tissue(TrunkDice& dice, const SpineOptions& spine) {
   const bool contrast = dice.chance(0.5), late = dice.chance(0.2);
   const double aorta_hu = dice.within(130.0, 380.0), kidney_hu = dice.within(120.0, 220.0);
   const double urine_hu = dice.within(300.0, 1500.0);
-  tissue.soft.aorta_hu = contrast ? aorta_hu : 42.0;
+  tissue.soft.aorta_hu = contrast ? aorta_hu : kBloodHu;
   tissue.kidney_hu = contrast ? kidney_hu : 33.0;
   tissue.pelvis_of_kidney_hu = contrast && late ? urine_hu : 10.0;
   tissue.half_width_mm = spine.scale * dice.within(155.0, 195.0);
   tissue.front_mm = spine.scale * dice.within(145.0, 200.0);
-  tissue.shoulder_mm = spine.shoulders ? 45.0 : 0.0;
+  tissue.shoulder_mm = spine.shoulders ? kShoulderMm : 0.0;
   tissue.gas_share = dice.chance(0.75) ? dice.within(0.1, 1.0) : 0.0;
   tissue.table = dice.chance(0.85);
   tissue.stent = dice.chance(0.04);
@@ -168,10 +168,9 @@ TrunkOptions draw_trunk(std::uint64_t seed, double mildness) {
   // The field of view: from within the level above the first one to within the one below the last.
   const Spine made(spine);
   const auto place_of = [&](Level level) {
-    for (const PlacedLevel& one : made.placed()) {
-      if (one.level == level) return one.position_mm;
-    }
-    fail("trunk: ", level_name(level), " is not among the levels");
+    const PlacedLevel* const found = placed_level(made.placed(), level);
+    if (found == nullptr) fail("trunk: ", level_name(level), " is not among the levels");
+    return found->position_mm;
   };
   Box3 view_mm;
   view_mm.extend(place_of(seen.front()) + Vec3(0.0, 0.0, dice.within(4.0, 32.0)));

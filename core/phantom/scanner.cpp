@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/phantom/detail/check_within.h"
 #include "core/phantom/detail/ideal_image.h"
 
 namespace spinaltap {
@@ -45,6 +46,7 @@ ScanNoise::ScanNoise(const ScanOptions& options) : options_(options) {
   std::vector<double> exact;
   double squares = 0.0;
   for (int n = -reach; n <= reach; ++n) {
+    // A soft kernel by its old formula, so that the noise of scans stays what it was to the bit.
     exact.push_back(options.sharpness > 0.0 ? kernel_at(n, sigma, options.sharpness)
                     : sigma > 0.0           ? std::exp(-0.5 * n * n / (sigma * sigma))
                                             : 1.0);
@@ -88,7 +90,7 @@ void check_options(const ScanOptions& options) {
     if (!(value > 0.0 && value <= max)) fail("scan: ", name, " must lie in (0, ", max, "], found ", value);
   };
   const auto not_negative = [](const char* name, double value, double max) {
-    if (!(value >= 0.0 && value <= max)) fail("scan: ", name, " must lie in [0, ", max, "], found ", value);
+    check_within("scan", name, value, 0.0, max);
   };
   positive("columns", options.columns, 8192);
   positive("rows", options.rows, 8192);

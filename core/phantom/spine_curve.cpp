@@ -178,6 +178,12 @@ double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below) {
   return (endplate_centre(above, -1.0) - endplate_centre(below, 1.0)).norm();
 }
 
+const PlacedLevel* placed_level(const std::vector<PlacedLevel>& placed, Level level) {
+  const auto found =
+      std::find_if(placed.begin(), placed.end(), [&](const PlacedLevel& one) { return one.level == level; });
+  return found == placed.end() ? nullptr : &*found;
+}
+
 std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
   check_spine_options(options);
   std::vector<PlacedLevel> levels;

@@ -22,6 +22,9 @@ struct PlacedLevel {
 /// bodies in line, a disc between each two. Throws Error as check_spine_options() does.
 std::vector<PlacedLevel> place_levels(const SpineOptions& options);
 
+/// The one of a level; null where it is not among them.
+const PlacedLevel* placed_level(const std::vector<PlacedLevel>& placed, Level level);
+
 /// Height of a disc between two levels in its middle, mm.
 double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below);
 

@@ -4,15 +4,14 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/phantom/detail/check_within.h"
 #include "core/phantom/level_measures.h"
 
 namespace spinaltap {
 namespace {
 
-void check_within(const char* name, double value, double low, double high) {
-  if (!(value >= low && value <= high)) {
-    fail("spine phantom: ", name, " must lie in [", low, ", ", high, "], found ", value);
-  }
+void in_bounds(const char* name, double value, double low, double high) {
+  check_within("spine phantom", name, value, low, high);
 }
 
 void among_the_levels(const char* name, Level level, const SpineOptions& options) {
@@ -69,46 +68,46 @@ Level level_below(Level level, const SpineOptions& options) {
 }
 
 void check_spine_options(const SpineOptions& options) {
-  check_within("thoracic_levels", options.thoracic_levels, 11, 13);
-  check_within("lumbar_levels", options.lumbar_levels, 4, 6);
+  in_bounds("thoracic_levels", options.thoracic_levels, 11, 13);
+  in_bounds("lumbar_levels", options.lumbar_levels, 4, 6);
   if (!is_upper_neck(options.first)) check_end("first", options.first, options);
   check_end("last", options.last, options);
   if (level_rank(options.first) > level_rank(options.last)) {
     fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
          level_name(options.last));
   }
-  check_within("scale", options.scale, 0.8, 1.25);
-  if (options.cervical_disc_mm) check_within("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
-  if (options.thoracic_disc_mm) check_within("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
-  if (options.lumbar_disc_mm) check_within("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
-  check_within("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
-  check_within("cervical_lordosis_deg", options.cervical_lordosis_deg, -20.0, 60.0);
-  check_within("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
-  check_within("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
-  check_within("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
-  check_within("scoliosis_turn", options.scoliosis_turn, 0.0, 0.6);
+  in_bounds("scale", options.scale, 0.8, 1.25);
+  if (options.cervical_disc_mm) in_bounds("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
+  if (options.thoracic_disc_mm) in_bounds("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
+  if (options.lumbar_disc_mm) in_bounds("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
+  in_bounds("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
+  in_bounds("cervical_lordosis_deg", options.cervical_lordosis_deg, -20.0, 60.0);
+  in_bounds("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
+  in_bounds("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
+  in_bounds("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
+  in_bounds("scoliosis_turn", options.scoliosis_turn, 0.0, 0.6);
   if (options.scoliosis_first) among_the_levels("scoliosis_first", *options.scoliosis_first, options);
   if (options.scoliosis_last) among_the_levels("scoliosis_last", *options.scoliosis_last, options);
-  check_within("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
-  check_within("rib12_mm", options.rib12_mm, 20.0, 200.0);
+  in_bounds("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
+  in_bounds("rib12_mm", options.rib12_mm, 20.0, 200.0);
   check_bones_around(options);
-  check_within("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
-  check_within("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
-  check_within("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
-  check_within("density", options.density, 0.2, 3.0);
+  in_bounds("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
+  in_bounds("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
+  in_bounds("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
+  in_bounds("density", options.density, 0.2, 3.0);
   for (const Level level : options.schmorl_nodes) among_the_levels("schmorl_nodes", level, options);
   for (const Level level : options.screws) among_the_levels("screws", level, options);
   for (const Level level : options.cement) among_the_levels("cement", level, options);
   for (const CrushedLevel& one : options.crushed) {
     among_the_levels("crushed", one.level, options);
-    check_within("crushed.front_share", one.front_share, 0.25, 1.0);
-    check_within("crushed.back_share", one.back_share, 0.5, 1.0);
+    in_bounds("crushed.front_share", one.front_share, 0.25, 1.0);
+    in_bounds("crushed.back_share", one.back_share, 0.5, 1.0);
   }
-  check_within("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
-  check_within("variation", options.variation, 0.0, 1.5);
+  in_bounds("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
+  in_bounds("variation", options.variation, 0.0, 1.5);
   for (int axis = 0; axis < 3; ++axis) {
-    check_within("tilt_deg", options.tilt_deg[axis], -60.0, 60.0);
-    check_within("position_mm", options.position_mm[axis], -1e5, 1e5);
+    in_bounds("tilt_deg", options.tilt_deg[axis], -60.0, 60.0);
+    in_bounds("position_mm", options.position_mm[axis], -1e5, 1e5);
   }
 }
 

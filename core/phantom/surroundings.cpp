@@ -16,10 +16,7 @@ namespace {
 
 constexpr double kSoftMm = 0.8;  ///< over which one tissue goes over into the next
 
-/// 1 where a signed distance is well below 0, 0 where it is well above.
-double inside(double distance_mm, double soft_mm = kSoftMm) {
-  return 1.0 - shapes::smooth_step(-soft_mm, soft_mm, distance_mm);
-}
+double inside(double distance_mm, double soft_mm = kSoftMm) { return shapes::inside(distance_mm, soft_mm); }
 
 /// Roughly the distance from an ellipse with these half axes.
 double ellipse_mm(double x, double y, double half_x, double half_y) {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
 #include "core/base/lerp.h"
+#include "core/phantom/detail/check_within.h"
 #include "core/phantom/detail/shapes.h"
 #include "core/phantom/detail/texture.h"
 #include "core/phantom/spine_ground_truth.h"
@@ -14,14 +14,10 @@ namespace {
 
 constexpr double kRoomAirHu = -1000.0;
 
-double within(double distance_mm, double soft_mm) { return 1.0 - shapes::smooth_step(-soft_mm, soft_mm, distance_mm); }
-
 /// Where a level's body stands, or would stand: beyond the ends of the spine, 20 to 37 mm a level.
 Vec3 place_of(const Spine& spine, Level level) {
   const std::vector<PlacedLevel>& placed = spine.placed();
-  for (const PlacedLevel& one : placed) {
-    if (one.level == level) return one.position_mm;
-  }
+  if (const PlacedLevel* const found = placed_level(placed, level)) return found->position_mm;
   const bool is_above = level_rank(level) < level_rank(placed.front().level);
   const PlacedLevel& end = is_above ? placed.front() : placed.back();
   const double steps = 0.5 * (level_rank(end.level) - level_rank(level));
@@ -35,9 +31,7 @@ double ellipsoid_mm(const Vec3& p, const Vec3& centre_mm, const Vec3& half_mm) {
 
 void check_trunk(const TrunkTissueOptions& options) {
   const auto check = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high)) {
-      fail("trunk: ", name, " must lie in [", low, ", ", high, "], found ", value);
-    }
+    check_within("trunk", name, value, low, high);
   };
   check("half_width_mm", options.half_width_mm, 100.0, 300.0);
   check("front_mm", options.front_mm, 100.0, 300.0);
@@ -94,14 +88,14 @@ double TrunkTissue::behind_hu(const Vec3& p) const {
   const double upper = p.y() - (table_y_mm_ - x * x / (2.0 * kBendMm));
   const double lower = p.y() - (table_y_mm_ + kThickMm - x * x / (1.2 * kBendMm));
   double hu = upper > 0.0 && lower < 0.0 ? kFoamHu : kRoomAirHu;
-  for (const double shell : {upper, lower}) hu = lerp(hu, kShellHu, within(std::fabs(shell) - kShellMm, 0.6));
+  for (const double shell : {upper, lower}) hu = lerp(hu, kShellHu, shapes::inside(std::fabs(shell) - kShellMm, 0.6));
   return hu;
 }
 
 double TrunkTissue::organs_hu(double hu, const Vec3& p) const {
   for (const Organ& organ : organs_) {
     if (((p - organ.centre_mm).cwiseAbs() - organ.half_mm).maxCoeff() > organ.soft_mm) continue;
-    hu = lerp(hu, organ.hu, within(ellipsoid_mm(p, organ.centre_mm, organ.half_mm), organ.soft_mm));
+    hu = lerp(hu, organ.hu, shapes::inside(ellipsoid_mm(p, organ.centre_mm, organ.half_mm), organ.soft_mm));
   }
   return hu;
 }
@@ -109,9 +103,9 @@ double TrunkTissue::organs_hu(double hu, const Vec3& p) const {
 double TrunkTissue::metal_hu(double hu, const Vec3& p, const SoftTissue::Station& here) const {
   for (const ScrewRod& wire : wires_) {
     const double away = segment_distance_mm(p, wire.head_mm, wire.tip_mm) - wire.radius_mm;
-    if (away < 1.0) hu = lerp(hu, kMetalHu, within(away, 0.7));
+    if (away < 1.0) hu = lerp(hu, kMetalHu, shapes::inside(away, 0.7));
   }
-  if (case_) hu = lerp(hu, kMetalHu, within(ellipsoid_mm(p, case_->centre_mm, case_->half_mm), 1.0));
+  if (case_) hu = lerp(hu, kMetalHu, shapes::inside(ellipsoid_mm(p, case_->centre_mm, case_->half_mm), 1.0));
   if (stent_ && p.z() > stent_->low_mm && p.z() < stent_->high_mm) {
     constexpr double kAortaMm = 11.5, kRingMm = 9.0, kZigMm = 6.0, kWireMm = 0.5;
     constexpr int kTeeth = 8;
@@ -123,7 +117,7 @@ double TrunkTissue::metal_hu(double hu, const Vec3& p, const SoftTissue::Station
       const double zig = 0.5 * kZigMm * std::cos(kTeeth * std::atan2(y, x));
       const double up = std::remainder(p.z() - zig, kRingMm);
       // A zigzag runs steeply: its wire is nearer than straight up.
-      hu = lerp(hu, kMetalHu, within(std::hypot(off, 0.5 * up) - kWireMm, 0.7));
+      hu = lerp(hu, kMetalHu, shapes::inside(std::hypot(off, 0.5 * up) - kWireMm, 0.7));
     }
   }
   return hu;
@@ -156,9 +150,9 @@ double TrunkTissue::hu(const Vec3& p) const {
     }
     // Organs stand before the column and its muscles.
     hu = organs_hu(hu, p);
-    hu = lerp(hu, options_.soft.fat_hu, within(-oval - 14.0, 2.5) * below_neck);
-    hu = lerp(hu, 20.0, within(-oval - 2.0, 0.8) * below_neck);
-    if (oval > -2.0 && here.neck <= 0.0) hu = lerp(hu, behind_hu(p), within(-oval, 0.8));
+    hu = lerp(hu, options_.soft.fat_hu, shapes::inside(-oval - 14.0, 2.5) * below_neck);
+    hu = lerp(hu, 20.0, shapes::inside(-oval - 2.0, 0.8) * below_neck);
+    if (oval > -2.0 && here.neck <= 0.0) hu = lerp(hu, behind_hu(p), shapes::inside(-oval, 0.8));
   }
   hu = metal_hu(hu, p, here);
   // Behind the skin of the neck and back, where SoftTissue has air.

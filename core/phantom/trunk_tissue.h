@@ -9,6 +9,9 @@
 
 namespace spinaltap {
 
+inline constexpr double kBloodHu = 42.0;     ///< without contrast
+inline constexpr double kShoulderMm = 45.0;  ///< TrunkTissueOptions::shoulder_mm of who has arms at his sides
+
 /// What a whole trunk has around its spine, beyond SoftTissue.
 struct TrunkTissueOptions {
   SoftTissueOptions soft{};           ///< its aorta_hu and muscle_hu hold here too

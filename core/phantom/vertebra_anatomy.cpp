@@ -5,13 +5,14 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/phantom/detail/check_within.h"
 #include "core/phantom/detail/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {
 
 void in_range(const char* name, double value, double low, double high) {
-  if (!(value >= low && value <= high)) fail("anatomy: ", name, " must lie in [", low, ", ", high, "], found ", value);
+  check_within("anatomy", name, value, low, high);
 }
 
 void position(const std::string& name, const Vec3& p, double limit = 200.0) {

@@ -22,6 +22,7 @@ constexpr double kMinHeightMm = 5.0;  // of a crushed body, in slices so thin th
 constexpr double kMinCutMm = 2.5;     // of a body that the CT cuts
 constexpr double kMaxHeightMm = 40.0;
 constexpr double kMinGapMm = 0.5;
+constexpr double kLeastEdge = 0.15;  // of an endplate, and of what is taken for one
 constexpr double kMaxGapMm = 17.0;
 // In noise the best of many tilts is better than it should be, and steep ones are rare.
 constexpr double kLargeTilt = 25.0 * kDegree;
@@ -91,9 +92,8 @@ std::size_t arm_places(double step_mm) {
 /// In slices of 1.2 mm and more a thin disc may not be seen between its endplates: the three are one bright band, up to
 /// 10 mm wide. Its middle is taken for a disc of 2 mm then. `gain`: of edges, as strengthen() has it.
 void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_drop_hu, double step_mm, double gain) {
-  constexpr double kSideMm = 6.5;    // from the band into the bodies
-  constexpr std::size_t kHalf = 2;   // places: half of the disc
-  constexpr float kMinBand = 0.15F;  // as the least of an endplate
+  constexpr double kSideMm = 6.5;   // from the band into the bodies
+  constexpr std::size_t kHalf = 2;  // places: half of the disc
   const auto side = static_cast<std::size_t>(std::lround(std::max(kSideMm, step_mm) / kPlaceStepMm));
   const std::size_t count = profile.level.size();
   std::vector<float> band(count, 0.0F);
@@ -112,7 +112,7 @@ void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_dro
   for (std::size_t n = side; n + side < count; ++n) {
     const auto peak = std::max_element(band.begin() + static_cast<std::ptrdiff_t>(n - 2),
                                        band.begin() + static_cast<std::ptrdiff_t>(n + 3));
-    if (*peak < kMinBand || *peak != band[n]) continue;
+    if (*peak < static_cast<float>(kLeastEdge) || *peak != band[n]) continue;
     if (band[n] > profile.rise[n + kHalf]) {
       profile.rise[n + kHalf] = band[n];
       profile.rise_tilt[n + kHalf] = tilt[n];
@@ -356,14 +356,14 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
     if (upper > first_lower) best_here = best_below[static_cast<std::size_t>(upper - 1)];
     const bool upper_cut = upper == last_upper && last_upper + 1 < count_;
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
-    if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
+    if (!upper_cut && (fall < kLeastEdge || upper > cut_above)) continue;
     // Heights are independent of each other: each looks at all bodies before.
     tbb::parallel_for(kMinHeight, kMaxHeight + 1, [&](int height) {
       const int lower = upper - height;
       const bool lower_cut = lower <= first_lower && first_lower > 0;
       if (lower < first_lower) return;
       const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
-      if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
+      if (!lower_cut && (rise < kLeastEdge || lower < cut_below)) return;
       if (!lower_cut && !upper_cut && height < min_whole_) return;
       const std::size_t here = state(upper, height);
       const bool is_whole = !lower_cut && !upper_cut;
@@ -415,9 +415,9 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
 /// Where a band was taken for a disc, but a fall and a rise show within it, the disc lies between these: it may be 5 mm
 /// high. `plain`: without bands. What edges the band had is kept where neither shows.
 void part_at_edges(std::vector<ChainSearch::Body>& row, Profile& profile, const Profile& plain) {
-  constexpr int kReach = 8;        // places, 4 mm to either side of the band's middle
-  constexpr int kMostGap = 6;      // what was taken for a disc in a band
-  constexpr float kLeast = 0.15F;  // as the least of an endplate
+  constexpr int kReach = 8;    // places, 4 mm to either side of the band's middle
+  constexpr int kMostGap = 6;  // what was taken for a disc in a band
+  constexpr auto kLeast = static_cast<float>(kLeastEdge);
   for (std::size_t n = 0; n + 1 < row.size(); ++n) {
     ChainSearch::Body &below = row[n], &above = row[n + 1];
     if (above.lower - below.upper > kMostGap) continue;
@@ -451,13 +451,12 @@ void part_at_edges(std::vector<ChainSearch::Body>& row, Profile& profile, const 
 
 /// Moves the cut end of a body to where it would be if the body were as high as the nearest whole one.
 void complete(BodySpan& span, const std::vector<BodySpan>& chain) {
-  const auto is_whole = [](const BodySpan& other) { return !other.lower.is_cut && !other.upper.is_cut; };
   constexpr double kHeightOverDepth = 0.85;
   double height_mm = kHeightOverDepth * 2.0 * span.middle.half_depth_mm;
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (const BodySpan& other : chain) {
     const double away_mm = std::abs(other.lower.s_mm - span.lower.s_mm);
-    if (!is_whole(other) || away_mm >= nearest_mm) continue;
+    if (other.is_cut() || away_mm >= nearest_mm) continue;
     nearest_mm = away_mm;
     height_mm = other.height_mm();
   }

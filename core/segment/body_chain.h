@@ -24,6 +24,8 @@ struct BodySpan {
   double gain = 0.0;  ///< what the chain has by this body, in endplates: about 2 and more for a clear one
 
   double height_mm() const { return upper.s_mm - lower.s_mm; }
+  /// One end or both are cut: it is not whole.
+  bool is_cut() const { return lower.is_cut || upper.is_cut; }
 };
 
 /// All bodies of a column from below upward, found together: a row of bodies and gaps along the column for which most

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "core/base/text_writer.h"
 #include "core/segment/row_gaps.h"
@@ -23,12 +24,12 @@ constexpr std::array<Numbering, 6> kNumberings{{{Level::kL5, Level::kT12, 740.0}
                                                 {Level{23}, Level::kT12, 10.0},
                                                 {Level{23}, Level{18}, 2.0}}};
 
-/// The levels of a kind of people from the sacrum up to C3.
-std::vector<Level> levels_of(const Numbering& kind) {
-  std::vector<Level> levels{Level::kSacrum};
-  constexpr int kC3 = 3;
-  for (int n = static_cast<int>(kind.lowest); n >= kC3; --n) levels.push_back(static_cast<Level>(n));
-  return levels;
+constexpr int kC3 = 3;
+
+/// How many levels a kind of people has from the sacrum up to C3, and the one at a place above the sacrum.
+int place_count(const Numbering& kind) { return static_cast<int>(kind.lowest) - kC3 + 2; }
+Level level_at(const Numbering& kind, int place) {
+  return place == 0 ? Level::kSacrum : static_cast<Level>(static_cast<int>(kind.lowest) - place + 1);
 }
 
 /// How likely the ribs that were found at a level are. The last pair may be short; of 636 levels of random phantoms
@@ -55,7 +56,6 @@ constexpr std::array<BodyMeasures, 22> kBodyMeasures{
      {39.0, 22.7}, {41.2, 23.8}, {42.6, 24.3}, {44.1, 23.8}, {46.6, 24.1}, {47.3, 22.9}}};
 
 const BodyMeasures& measures_of(Level level) {
-  constexpr int kC3 = 3;
   const int row = std::clamp(static_cast<int>(level) - kC3, 0, static_cast<int>(kBodyMeasures.size()) - 1);
   return kBodyMeasures[static_cast<std::size_t>(row)];
 }
@@ -106,17 +106,16 @@ std::vector<Stretch> stretches_of(const SpineBodies& spine) {
   return all;
 }
 
-bool is_cut(const BodySpan& span) { return span.lower.is_cut || span.upper.is_cut; }
-
-/// What is known of a body's level in a kind of people whose sacrum lies `place` levels below it.
+/// How likely a stretch is, of a kind of people and at a place above the sacrum.
 struct Vote {
   const Numbering* kind;
   int lowest_place;  ///< of the stretch's first body above the sacrum
   double log_likelihood;
 };
 
+/// `of_no_ribs`: log_of_no_ribs() of the stretch.
 double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch,
-                      const Numbering& kind, const std::vector<Level>& levels, int lowest_place) {
+                      const Numbering& kind, int lowest_place, double of_no_ribs) {
   double sum = std::log(kind.people), of_ribs = 0.0;
   std::vector<double> widths, heights;
   for (std::size_t m = 0; m < stretch.places.size(); ++m) {
@@ -129,35 +128,80 @@ double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, c
       continue;
     }
     if (place < 0) return -1e9;
-    const Level level = levels[static_cast<std::size_t>(place)];
+    const Level level = level_at(kind, place);
     if (level == Level::kSacrum) {
       sum += std::log(0.03);
       continue;
     }
     of_ribs += std::log(ribs_likelihood(ribs[n], level, kind.last_ribs));
-    if (is_cut(spine.chain[n])) continue;
+    if (spine.chain[n].is_cut()) continue;
     const Vec3& half_mm = spine.bodies[n].cylinder.half_mm;
     const BodyMeasures& measures = measures_of(level);
     widths.push_back(std::log(2.0 * half_mm.x() / measures.width_mm));
     heights.push_back(std::log(2.0 * half_mm.z() / measures.height_mm));
   }
   constexpr double kTellNothing = 0.03;
-  const double ribs_sum =
-      std::log((1.0 - kTellNothing) * std::exp(of_ribs) + kTellNothing * std::exp(log_of_no_ribs(ribs, stretch)));
+  const double ribs_sum = std::log((1.0 - kTellNothing) * std::exp(of_ribs) + kTellNothing * std::exp(of_no_ribs));
   return sum + ribs_sum + log_of_sizes(widths) + log_of_sizes(heights);
 }
 
 /// All places of a stretch in all kinds of people.
 std::vector<Vote> votes_of(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch) {
   std::vector<Vote> votes;
+  const double of_no_ribs = log_of_no_ribs(ribs, stretch);
   for (const Numbering& kind : kNumberings) {
-    const std::vector<Level> levels = levels_of(kind);
-    const int highest = static_cast<int>(levels.size()) - 1 - stretch.places.back();
+    const int highest = place_count(kind) - 1 - stretch.places.back();
     for (int lowest = -1; lowest <= highest; ++lowest) {
-      votes.push_back({&kind, lowest, log_likelihood(spine, ribs, stretch, kind, levels, lowest)});
+      votes.push_back({&kind, lowest, log_likelihood(spine, ribs, stretch, kind, lowest, of_no_ribs)});
     }
   }
   return votes;
+}
+
+/// The levels that a body may be, the likeliest first. `place`: of the body above its stretch's first.
+std::vector<LevelOdds> odds_of(const std::vector<Vote>& votes, const Vote& likeliest, int place) {
+  constexpr double kTold = 0.01;
+  std::map<Level, double> of_level;
+  double whole = 0.0;
+  for (const Vote& vote : votes) {
+    const double weight = std::exp(vote.log_likelihood - likeliest.log_likelihood);
+    whole += weight;
+    if (vote.lowest_place + place >= 0) of_level[level_at(*vote.kind, vote.lowest_place + place)] += weight;
+  }
+  std::vector<LevelOdds> odds;
+  for (const auto& [level, weight] : of_level) {
+    if (weight / whole >= kTold) odds.push_back({level, weight / whole});
+  }
+  std::stable_sort(odds.begin(), odds.end(),
+                   [](const LevelOdds& a, const LevelOdds& b) { return a.probability > b.probability; });
+  return odds;
+}
+
+/// The likeliest where that is likely enough to be a name.
+Level named(const std::vector<LevelOdds>& odds) {
+  constexpr double kNamed = 0.9;
+  if (odds.empty() || odds.front().probability < kNamed || odds.front().level == Level::kSacrum) return Level::kNone;
+  return odds.front().level;
+}
+
+/// What is said of a kind of people with another number of vertebrae than most between the last ribs and the sacrum.
+std::string transitional_of(const Numbering& kind) {
+  constexpr int kUsualBetween = 5;
+  const int between = static_cast<int>(kind.lowest) - static_cast<int>(kind.last_ribs);
+  if (between == kUsualBetween) return {};
+  return joined("a transitional spine: between the last ribs and the sacrum lie likeliest ", between,
+                " vertebrae, not ", kUsualBetween, "; names may be off by one");
+}
+
+/// From below upward levels only rise.
+bool levels_rise(const std::vector<Level>& levels) {
+  Level below = Level::kNone;
+  for (const Level level : levels) {
+    if (level == Level::kNone) continue;
+    if (below != Level::kNone && level_rank(level) >= level_rank(below)) return false;
+    below = level;
+  }
+  return true;
 }
 
 /// Whether ribs or a sacrum name a stretch: sizes alone do not.
@@ -188,56 +232,29 @@ std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t ind
 }
 
 LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
-  constexpr double kNamed = 0.9, kTold = 0.01;
-  constexpr int kUsualBetween = 5;
   LevelNames names;
   names.levels.assign(spine.bodies.size(), Level::kNone);
   names.odds.resize(spine.bodies.size());
+  const std::size_t lowest = spine.has_sacrum ? 1 : 0;  // of the vertebrae
+  if (spine.has_sacrum) names.levels[0] = Level::kSacrum;
   for (const Stretch& stretch : stretches_of(spine)) {
     const std::vector<Vote> votes = votes_of(spine, ribs, stretch);
     const auto likeliest = std::max_element(
         votes.begin(), votes.end(), [](const Vote& a, const Vote& b) { return a.log_likelihood < b.log_likelihood; });
     if (likeliest == votes.end()) continue;
-    double whole = 0.0;
-    for (const Vote& vote : votes) whole += std::exp(vote.log_likelihood - likeliest->log_likelihood);
     const bool is_witnessed = has_witness(spine, ribs, stretch);
     for (std::size_t m = 0; m < stretch.places.size(); ++m) {
       const std::size_t n = stretch.first + m;
-      if (n == 0 && spine.has_sacrum) {
-        names.levels[0] = Level::kSacrum;
-        continue;
-      }
-      std::map<Level, double> of_level;
-      for (const Vote& vote : votes) {
-        const int place = vote.lowest_place + stretch.places[m];
-        if (place < 0) continue;
-        of_level[levels_of(*vote.kind)[static_cast<std::size_t>(place)]] +=
-            std::exp(vote.log_likelihood - likeliest->log_likelihood) / whole;
-      }
-      for (const auto& [level, probability] : of_level) {
-        if (probability >= kTold) names.odds[n].push_back({level, probability});
-      }
-      std::stable_sort(names.odds[n].begin(), names.odds[n].end(),
-                       [](const LevelOdds& a, const LevelOdds& b) { return a.probability > b.probability; });
-      const bool is_named = is_witnessed && !names.odds[n].empty() && names.odds[n].front().probability >= kNamed &&
-                            names.odds[n].front().level != Level::kSacrum;
-      if (is_named) names.levels[n] = names.odds[n].front().level;
+      if (n < lowest) continue;
+      names.odds[n] = odds_of(votes, *likeliest, stretch.places[m]);
+      if (is_witnessed) names.levels[n] = named(names.odds[n]);
     }
-    const int between = static_cast<int>(likeliest->kind->lowest) - static_cast<int>(likeliest->kind->last_ribs);
-    if (is_witnessed && between != kUsualBetween) {
-      names.transitional = joined("a transitional spine: between the last ribs and the sacrum lie likeliest ", between,
-                                  " vertebrae, not ", kUsualBetween, "; names may be off by one");
-    }
+    if (!is_witnessed) continue;
+    if (std::string word = transitional_of(*likeliest->kind); !word.empty()) names.transitional = std::move(word);
   }
-  // From below upward levels only rise: else one stretch is misnamed, and nothing tells which.
-  Level below = Level::kNone;
-  bool rises = true;
-  for (const Level level : names.levels) {
-    if (level == Level::kNone) continue;
-    rises = rises && (below == Level::kNone || level_rank(level) < level_rank(below));
-    below = level;
-  }
-  for (std::size_t n = spine.has_sacrum ? 1 : 0; !rises && n < names.levels.size(); ++n) names.levels[n] = Level::kNone;
+  if (levels_rise(names.levels)) return names;
+  // One stretch is misnamed, and nothing tells which.
+  std::fill(names.levels.begin() + static_cast<std::ptrdiff_t>(lowest), names.levels.end(), Level::kNone);
   return names;
 }
 

@@ -202,7 +202,7 @@ void check_sizes(const std::vector<BodySpan>& chain, const BodyInRow& row, Warni
   std::vector<Neighbour> neighbours;
   const Vec3& half_mm = row.body().cylinder.half_mm;
   for (const std::size_t other : {row.own - 1, row.own + 1}) {
-    if (other >= chain.size() || chain[other].lower.is_cut || chain[other].upper.is_cut) continue;
+    if (other >= chain.size() || chain[other].is_cut()) continue;
     neighbours.push_back(
         {other < row.own ? "lower" : "upper", half_mm.cwiseQuotient(row.bodies[other].cylinder.half_mm)});
   }
@@ -358,7 +358,7 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   WarningList warnings;
   const BodySpan& span = chain[row.own];
   const BodyCylinder& body = row.body().cylinder;
-  const bool is_cut = span.lower.is_cut || span.upper.is_cut;
+  const bool is_cut = span.is_cut();
   for (const auto& [end, name] : {std::pair{&span.upper, "upper"}, std::pair{&span.lower, "lower"}}) {
     if (end->is_cut) {
       warnings.add(0.3, words("the body goes on beyond the CT: its ", name, " end is not in it"));
@@ -371,7 +371,7 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   if (!is_cut) check_sizes(chain, row, warnings);
   // Gaps to the neighbours that are whole.
   for (const std::size_t other : {row.own - 1, row.own + 1}) {
-    if (other >= chain.size() || is_cut || chain[other].lower.is_cut || chain[other].upper.is_cut) continue;
+    if (other >= chain.size() || is_cut || chain[other].is_cut()) continue;
     const char* side = other < row.own ? "lower" : "upper";
     const BodySpan& lower = other < row.own ? chain[other] : span;
     const BodySpan& upper = other < row.own ? span : chain[other];

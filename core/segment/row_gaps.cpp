@@ -89,7 +89,7 @@ std::vector<std::string> gaps_in_row(const SpineBodies& spine) {
   // Half a vertebra belongs to the outermost body itself, half a one may be cut by the CT's border or the canal's end.
   constexpr double kMinVertebrae = 2.0;
   const auto check_end = [&](std::size_t end, double vertebra_mm, const Vec3& outward, const char* side) {
-    if (spine.chain[end].lower.is_cut || spine.chain[end].upper.is_cut) return;
+    if (spine.chain[end].is_cut()) return;
     const Beyond beyond = canal_beyond(spine.canal, middle_mm(spine, end), outward);
     if (beyond.mm < kMinVertebrae * vertebra_mm) return;
     gaps.push_back(joined("vertebrae may be missed ", side, " the row: it ends at ", at_height(middle_mm(spine, end)),

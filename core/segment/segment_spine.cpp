@@ -198,7 +198,7 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   report.parts_dropped = cut.parts_dropped;
   const auto voxels = std::count(cut.inside.begin(), cut.inside.end(), std::uint8_t{1});
   report.volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
-  report.is_cut = spine.chain[cut.index].lower.is_cut || spine.chain[cut.index].upper.is_cut;
+  report.is_cut = spine.chain[cut.index].is_cut();
   report.figures = cut.figures;
   report.reaches_border = find_border(ct.geometry, cut.box, cut.inside, row, report.figures);
   report.warnings = check_level(report.figures, spine.chain, row);
@@ -285,8 +285,7 @@ Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const Seg
   } else {
     // The largest of those that are whole, of all where none is.
     const auto size = [&](std::size_t n) {
-      const bool is_whole = !spine.chain[n].lower.is_cut && !spine.chain[n].upper.is_cut;
-      return std::pair(is_whole, spine.bodies[n].cylinder.half_mm.prod());
+      return std::pair(!spine.chain[n].is_cut(), spine.bodies[n].cylinder.half_mm.prod());
     };
     for (std::size_t n = lowest + 1; n < spine.bodies.size(); ++n) {
       if (size(n) > size(index)) index = n;

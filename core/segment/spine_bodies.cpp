@@ -135,7 +135,7 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   std::vector<BodyCylinder> sure;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const BodySpan& span = chain[n];
-    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < min_edge) continue;
+    if (span.is_cut() || std::min(span.lower.edge, span.upper.edge) < min_edge) continue;
     if (bodies[n].fit >= min_fit) sure.push_back(bodies[n]);
   }
   return sure;
@@ -199,7 +199,7 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
   tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t n) {
     bodies[n] = find_vertebral_body(probe, cylinders[n]);
-    bodies[n]->is_cut = spine.chain[n].lower.is_cut || spine.chain[n].upper.is_cut;
+    bodies[n]->is_cut = spine.chain[n].is_cut();
   });
   // What lies below the sacrum's first body is sacrum too.
   std::size_t lowest = 0;

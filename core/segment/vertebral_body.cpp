@@ -46,7 +46,7 @@ BodyCylinder cylinder_of(const BodySpan& span) {
 
 RefineLimits limits_of(const BodySpan& span) {
   RefineLimits limits;
-  if (span.lower.is_cut || span.upper.is_cut) limits.end_shift_mm = 0.0;
+  if (span.is_cut()) limits.end_shift_mm = 0.0;
   return limits;
 }
 

@@ -16,9 +16,9 @@
 #include "mesh/mesh_io.h"
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
+#include "tests/support/error_of.h"
 #include "tests/support/german_locale.h"
 #include "tests/support/mesh_shapes.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

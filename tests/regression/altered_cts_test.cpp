@@ -37,7 +37,7 @@ struct Count {
 std::vector<BodyCylinder> whole_bodies(const SpineBodies& spine) {
   std::vector<BodyCylinder> whole;
   for (std::size_t n = spine.has_sacrum ? 1 : 0; n < spine.bodies.size(); ++n) {
-    if (!spine.chain[n].lower.is_cut && !spine.chain[n].upper.is_cut) whole.push_back(spine.bodies[n].cylinder);
+    if (!spine.chain[n].is_cut()) whole.push_back(spine.bodies[n].cylinder);
   }
   return whole;
 }
@@ -59,8 +59,7 @@ void count(const std::vector<BodyCylinder>& whole, const Altered& altered, Count
   }
   int extra = 0;
   for (std::size_t n = spine.has_sacrum ? 1 : 0; n < is_known.size(); ++n) {
-    const bool is_whole = !spine.chain[n].lower.is_cut && !spine.chain[n].upper.is_cut;
-    if (!is_known[n] && is_whole) ++extra;
+    if (!is_known[n] && !spine.chain[n].is_cut()) ++extra;
   }
   const auto all = static_cast<int>(whole.size());
   const bool is_untold = found < all && gaps_in_row(spine).empty();

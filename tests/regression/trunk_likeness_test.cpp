@@ -44,7 +44,7 @@ CtFigures figures_of(const CtVolume& ct) {
   std::vector<double> cores, walls;
   std::array<std::vector<double>, 3> sizes;
   for (std::size_t n = spine.has_sacrum ? 1 : 0; n < spine.bodies.size(); ++n) {
-    if (spine.chain[n].lower.is_cut || spine.chain[n].upper.is_cut) continue;
+    if (spine.chain[n].is_cut()) continue;
     const BodyCylinder& body = spine.bodies[n].cylinder;
     const Mat3 axes = body.axes();
     std::vector<double> core, wall;

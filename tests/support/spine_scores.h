@@ -54,6 +54,22 @@ inline double distance_to_mask_mm(const BoneMask& mask, const Vec3& p_mm) {
   return min_mm;
 }
 
+/// The level found nearest to a body's middle, nearer than `within_mm`, of those that are not `used`; its distance.
+struct NearestLevel {
+  std::size_t index;
+  double away_mm;
+};
+inline std::optional<NearestLevel> nearest_level(const SpineSegmentation& found, const std::vector<bool>& used,
+                                                 const Vec3& centre_mm, double within_mm) {
+  std::optional<NearestLevel> nearest;
+  for (std::size_t n = 0; n < found.levels.size(); ++n) {
+    const double away_mm = (found.levels[n].body_centre_mm - centre_mm).norm();
+    if (used[n] || away_mm >= (nearest ? nearest->away_mm : within_mm)) continue;
+    nearest = {n, away_mm};
+  }
+  return nearest;
+}
+
 /// Compares with the ground truth, by place and not by name. The spine is made from SpineOptions.
 inline SpineScore score_of(const SpineSegmentation& found, const Spine& spine) {
   const LabelVolume ground_truth = true_labels(spine, found.labels.geometry);
@@ -63,11 +79,9 @@ inline SpineScore score_of(const SpineSegmentation& found, const Spine& spine) {
     LevelScore one;
     one.level = level.level;
     one.centre_mm = 10.0;  // half of a level's height: further away is another one
-    for (std::size_t n = 0; n < found.levels.size(); ++n) {
-      const double away_mm = (found.levels[n].body_centre_mm - level.body_centre_mm).norm();
-      if (used[n] || away_mm >= one.centre_mm) continue;
-      one.found = n;
-      one.centre_mm = away_mm;
+    if (const auto nearest = nearest_level(found, used, level.body_centre_mm, one.centre_mm)) {
+      one.found = nearest->index;
+      one.centre_mm = nearest->away_mm;
     }
     if (one.found) {
       used[*one.found] = true;

@@ -9,6 +9,7 @@
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 #include "core/segment/segment_spine.h"
+#include "tests/support/spine_scores.h"
 
 namespace spinaltap::test {
 
@@ -77,11 +78,9 @@ inline TrunkScore score_trunk(const SpineSegmentation& found, const Spine& spine
     WholeLevelScore one;
     one.level = truth.level;
     one.centre_mm = kFoundMm;
-    for (std::size_t n = 0; n < found.levels.size(); ++n) {
-      const double away_mm = (found.levels[n].body_centre_mm - truth.body_centre_mm).norm();
-      if (used[n] || away_mm > one.centre_mm) continue;
-      one.found = n;
-      one.centre_mm = away_mm;
+    if (const auto nearest = nearest_level(found, used, truth.body_centre_mm, kFoundMm)) {
+      one.found = nearest->index;
+      one.centre_mm = nearest->away_mm;
     }
     if (one.found) {
       used[*one.found] = true;

@@ -62,14 +62,18 @@ void give(const Struct& from, Struct* to) noexcept {
   to->struct_bytes = bytes;
 }
 
+/// As much of a text as there is room for, with a 0 at its end.
+void put_text(const char* text, char* to, std::size_t room) noexcept {
+  std::strncpy(to, text, room - 1);
+  to[room - 1] = '\0';
+}
+
 void tell(spinaltap_error* error, spinaltap_code code, const char* text) noexcept {
   if (error == nullptr) return;
   const std::size_t bytes = bytes_of(error);
   if (bytes >= offsetof(spinaltap_error, text)) error->code = code;
   if (bytes <= offsetof(spinaltap_error, text)) return;
-  const std::size_t room = bytes - offsetof(spinaltap_error, text);
-  std::strncpy(error->text, text, room - 1);
-  error->text[room - 1] = '\0';
+  put_text(text, error->text, bytes - offsetof(spinaltap_error, text));
 }
 
 /// Runs what may throw.
@@ -144,11 +148,16 @@ spinaltap_path path_of(const DrillPath& path) {
   return made;
 }
 
+void check_path_size(std::uint32_t bytes) {
+  if (bytes < offsetof(spinaltap_path, tool) + sizeof(std::uint32_t)) {
+    fail("expected a path's size first, found ", bytes);
+  }
+}
+
 /// The tool within it has a size of its own, and is its last.
 void give(const spinaltap_path& from, spinaltap_path* to) {
   const std::uint32_t bytes = to->struct_bytes;
-  if (bytes < offsetof(spinaltap_path, tool) + sizeof(std::uint32_t))
-    fail("expected a path's size first, found ", bytes);
+  check_path_size(bytes);
   std::memcpy(to, &from, offsetof(spinaltap_path, tool));
   to->struct_bytes = bytes;
   if (to->tool.struct_bytes == 0)
@@ -157,9 +166,7 @@ void give(const spinaltap_path& from, spinaltap_path* to) {
 }
 
 DrillPath path_of(const spinaltap_path& given) {
-  if (given.struct_bytes < offsetof(spinaltap_path, tool) + sizeof(std::uint32_t)) {
-    fail("expected a path's size first, found ", given.struct_bytes);
-  }
+  check_path_size(given.struct_bytes);
   DrillPath path;
   path.entry_mm = vec3_of(given.entry_mm);
   path.target_mm = vec3_of(given.target_mm);
@@ -311,8 +318,7 @@ spinaltap_code spinaltap_session_chosen(const spinaltap_session* session, char* 
   return guarded(nullptr, [&] {
     const std::string chosen = there(session, "a session").session.chosen();
     if (text == nullptr || bytes == 0) fail("expected room for a text, found none");
-    std::strncpy(text, chosen.c_str(), bytes - 1);
-    text[bytes - 1] = '\0';
+    put_text(chosen.c_str(), text, bytes);
   });
 }
 

@@ -122,6 +122,9 @@ inline double smooth_step(double low, double high, double a) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+/// 1 where a signed distance is well below 0, 0 where it is well above: over twice `soft`.
+inline double inside(double distance, double soft) { return 1.0 - smooth_step(-soft, soft, distance); }
+
 /// Two unit vectors that, with `axis` (unit), make a right-angled frame; the first one is as near to `hint` as can be.
 struct Frame {
   Vec3 thin, wide, axis;

@@ -49,11 +49,6 @@ class BonePlacer {
   bool weak_;
 };
 
-const PlacedLevel* placed_level(const std::vector<PlacedLevel>& placed, Level level) {
-  const auto found = std::find_if(placed.begin(), placed.end(), [&](const PlacedLevel& p) { return p.level == level; });
-  return found == placed.end() ? nullptr : &*found;
-}
-
 constexpr ShellBone kFlatBone{1.1, 1100.0, 230.0}, kLongBone{4.5, 1400.0, 60.0}, kHeadBone{1.2, 1000.0, 320.0};
 
 }  // namespace

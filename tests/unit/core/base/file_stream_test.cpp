@@ -8,8 +8,8 @@
 
 #include "core/base/gzip.h"
 #include "core/base/staged_output.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

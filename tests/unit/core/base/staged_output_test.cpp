@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -9,9 +9,9 @@
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
 #include "core/ct/label_volume.h"
+#include "tests/support/error_of.h"
 #include "tests/support/made_dicom_labels.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

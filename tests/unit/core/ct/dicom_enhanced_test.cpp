@@ -4,9 +4,9 @@
 
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
+#include "tests/support/error_of.h"
 #include "tests/support/made_series.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -10,10 +10,10 @@
 #include "core/ct/dicom_source.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
+#include "tests/support/error_of.h"
 #include "tests/support/hand_made_dicom.h"
 #include "tests/support/made_series.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

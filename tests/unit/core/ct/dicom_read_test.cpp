@@ -6,9 +6,9 @@
 #include <tbb/global_control.h>
 
 #include "core/base/staged_output.h"
+#include "tests/support/error_of.h"
 #include "tests/support/hand_made_dicom.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

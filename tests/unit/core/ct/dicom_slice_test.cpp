@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/ct/detail/jpeg_stream.h"
+#include "tests/support/error_of.h"
 #include "tests/support/test_data.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

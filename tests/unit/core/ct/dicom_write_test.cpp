@@ -16,8 +16,8 @@
 #include "core/base/staged_output.h"
 #include "core/ct/detail/dicom_uid.h"
 #include "core/ct/dicom_read.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

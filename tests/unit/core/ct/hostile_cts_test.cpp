@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "core/ct/read_ct.h"
+#include "tests/support/error_of.h"
 #include "tests/support/hostile_cts.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
+#include "tests/support/error_of.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/ct/detail/label_conventions.h"
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap::detail {
 namespace {

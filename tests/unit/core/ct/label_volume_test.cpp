@@ -11,11 +11,11 @@
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
+#include "tests/support/error_of.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/nan.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

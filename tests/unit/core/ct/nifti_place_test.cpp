@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -7,9 +7,9 @@
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
+#include "tests/support/error_of.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

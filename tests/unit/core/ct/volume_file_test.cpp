@@ -14,9 +14,9 @@
 #include "core/ct/label_map.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
+#include "tests/support/error_of.h"
 #include "tests/support/made_nifti.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

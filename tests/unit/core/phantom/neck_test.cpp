@@ -8,6 +8,7 @@
 #include "core/phantom/spine.h"
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {
@@ -83,13 +84,8 @@ TEST(Neck, HasLabelsOfItsUpperLevelsAndNoneOfALevelForTheSkull) {
 }
 
 TEST(Neck, RejectsOptionsWithoutSense) {
-  const auto rejection = [](const SpineOptions& options) -> std::string {
-    try {
-      const Spine spine(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto rejection = [](const SpineOptions& options) {
+    return test::error_of([&] { const Spine spine(options); });
   };
   SpineOptions options;
   options.skull = true;

@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
+#include "tests/support/error_of.h"
 #include "tests/support/release_only.h"
 
 namespace spinaltap {
@@ -341,13 +342,8 @@ TEST(Spine, HasMetalInThePediclesOfLevelsWithScrews) {
 }
 
 TEST(Spine, RejectsOptionsWithoutSense) {
-  const auto rejection = [](const SpineOptions& options) -> std::string {
-    try {
-      const Spine spine(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto rejection = [](const SpineOptions& options) {
+    return test::error_of([&] { const Spine spine(options); });
   };
   SpineOptions options;
   options.first = Level::kL5;

@@ -7,6 +7,7 @@
 #include "core/phantom/random_trunk.h"
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {
@@ -155,13 +156,8 @@ TEST(Trunk, HasCementAndAnAortaWithoutContrast) {
 }
 
 TEST(Trunk, RejectsOptionsWithoutSense) {
-  const auto rejection = [](const SpineOptions& options) -> std::string {
-    try {
-      const Spine spine(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto rejection = [](const SpineOptions& options) {
+    return test::error_of([&] { const Spine spine(options); });
   };
   SpineOptions options;
   options.pelvis = true;

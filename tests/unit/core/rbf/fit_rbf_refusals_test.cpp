@@ -6,8 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/rbf/fit_rbf.h"
+#include "tests/support/error_of.h"
 #include "tests/support/nan.h"
-#include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap {

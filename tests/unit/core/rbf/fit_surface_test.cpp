@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "core/base/error.h"
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 #include "tests/unit/core/rbf/point_sets.h"
 #include "tests/unit/core/rbf/vertebra_points.h"
 

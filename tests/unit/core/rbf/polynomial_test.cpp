@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <set>
 
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/point_sets.h"
 

@@ -11,8 +11,8 @@
 
 #include "core/rbf/detail/fast_sum.h"
 #include "core/rbf/detail/polynomial.h"
+#include "tests/support/error_of.h"
 #include "tests/support/test_kind.h"
-#include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 

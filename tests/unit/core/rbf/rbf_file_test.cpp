@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "core/base/staged_output.h"
+#include "tests/support/error_of.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

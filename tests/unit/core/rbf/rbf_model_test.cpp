@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {

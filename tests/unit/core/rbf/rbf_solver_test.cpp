@@ -7,8 +7,8 @@
 #include <tbb/global_control.h>
 
 #include "core/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/test_kind.h"
-#include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/dense_solution.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"

@@ -30,7 +30,7 @@ void expect_true_bodies(const SpineBodies& found, const Spine& spine, double max
     const LevelGroundTruth& level = ground_truth.levels[ground_truth.levels.size() - 1 - n];
     const BodySpan& span = found.chain[n];
     const std::string name = level_name(level.level);
-    EXPECT_FALSE(span.lower.is_cut || span.upper.is_cut) << name;
+    EXPECT_FALSE(span.is_cut()) << name;
     EXPECT_LE(off_plane_mm(span.upper.centre_mm, level.superior_endplate_mm, level.superior_normal), max_mm) << name;
     EXPECT_LE(off_plane_mm(span.lower.centre_mm, level.inferior_endplate_mm, level.inferior_normal), max_mm) << name;
     EXPECT_GT(span.upper.edge, 0.0) << name;

@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "tests/unit/core/ct/error_of.h"
+#include "tests/support/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <functional>
 
 #include "core/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
@@ -24,15 +24,6 @@ using testing::HasSubstr;
 
 constexpr Level kT11{18};
 constexpr Level kL2{21};
-
-std::string words_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::vector<std::string> names_of(const SpineSegmentation& found) {
   std::vector<std::string> names;
@@ -129,13 +120,15 @@ TEST_F(SpineLevels, AreGuessedFromTheLastRibs) {
 TEST_F(SpineLevels, MayHaveTwoNamesThatAgreeAndNoTwoThatDoNot) {
   const LevelPoint t12{Level::kT12, middle_of(Level::kT12)};
   EXPECT_EQ(segment_spine(*ct_, {.names = {t12, {kL2, middle_of(kL2)}}}).labels.labels, found_->labels.labels);
-  const std::string words = words_of([&] { segment_spine(*ct_, {.names = {t12, {Level::kL1, middle_of(kL2)}}}); });
+  const std::string words = test::error_of([&] {
+    segment_spine(*ct_, {.names = {t12, {Level::kL1, middle_of(kL2)}}});
+  });
   EXPECT_THAT(words, HasSubstr("L1: expected a point that agrees with T12"));
   EXPECT_THAT(words, HasSubstr("lies in L2"));
 }
 
 TEST_F(SpineLevels, RejectANameBesideTheBodies) {
-  EXPECT_THAT(words_of([&] {
+  EXPECT_THAT(test::error_of([&] {
                 segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12) + Vec3(45.0, 0.0, 0.0)}}});
               }),
               HasSubstr("no body's wall around"));
@@ -164,7 +157,7 @@ TEST_F(SpineLevels, LoseWhatACorrectionExcludes) {
 }
 
 TEST_F(SpineLevels, RejectACorrectionOfALevelThatIsNotThere) {
-  EXPECT_THAT(words_of([&] {
+  EXPECT_THAT(test::error_of([&] {
                 segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12)}},
                                      .corrections = {{Level::kL5, middle_of(kL2)}}});
               }),
@@ -204,7 +197,7 @@ TEST(SpineLevelsAlone, AreNotFoundInABlockOfBone) {
     if (std::abs(i - 30) < 12 && std::abs(j - 30) < 12) hu[v] = 600;
   }
   const CtVolume ct = make_ct_volume(geometry, std::move(hu));
-  EXPECT_THAT(words_of([&] { segment_spine(ct); }), HasSubstr("no spine"));
+  EXPECT_THAT(test::error_of([&] { segment_spine(ct); }), HasSubstr("no spine"));
 }
 
 TEST(SpineLevelsAlone, AreNumberedFromTheHeadWhereNothingTellsTheirNames) {

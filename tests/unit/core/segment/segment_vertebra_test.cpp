@@ -13,12 +13,12 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/phantom/scanner.h"
+#include "tests/support/error_of.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/random_vertebra.h"
 #include "tests/support/release_only.h"
 #include "tests/support/stacked_vertebrae.h"
 #include "tests/support/test_kind.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {

@@ -19,9 +19,9 @@
 #include "core/files/recorded_setup.h"
 #include "core/session/operator/path_motion.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_kind.h"
-#include "tests/unit/core/ct/error_of.h"
 #include "vdb/sim/drilling.h"
 #include "vdb/sim/replay.h"
 

@@ -16,9 +16,9 @@
 #include "core/session/record/detail/record_columns.h"
 #include "core/session/record/detail/record_layout.h"
 #include "core/session/record/session_record.h"
+#include "tests/support/error_of.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {
