@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "apps/report/contact_sheet.h"
 #include "apps/report/levels_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
@@ -239,7 +240,9 @@ Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOu
 Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
                  const Progress& progress, int& exit_code) {
   const SpineSegmentation found = segment_spine(ct, options.ct.finding.complete(ct), progress);
-  if (found.levels.empty()) fail("expected vertebrae in the CT, found none above the sacrum");
+  if (found.levels.empty()) {
+    fail_as(ErrorKind::geometry, "expected vertebrae in the CT, found none above the sacrum");
+  }
   output.write(options.output_or_default(),
                encode_label_volume(found.labels, options.output_or_default(), options.source(ct, progress)));
   LevelsPicture what;
@@ -258,6 +261,15 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
   return figures;
 }
 
+/// Where nothing was found a person may see why: the picture that was asked for shows the CT's slices then.
+[[noreturn]] void fail_with_slices(const CtVolume& ct, const Error& error, const SegmentCommandOptions& options) {
+  if (options.picture.empty()) throw Error(joined(error.what(), "; --picture slices.png shows the CT"), error.kind());
+  StagedOutput output;
+  output.write(options.picture, encode_png(contact_sheet(ct)));
+  output.commit();
+  throw Error(joined(error.what(), "; look at its slices in ", options.picture.string()), error.kind());
+}
+
 Json segment(const SegmentCommandOptions& options, const Progress& progress, int& exit_code) {
   // A bad name is said before the work is done.
   encode_label_map({{{1, 1, 1}}, {1}}, 1, options.output_or_default());
@@ -266,9 +278,18 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress, int
   clock.end("read");
   StagedOutput output;
   int code = 0;
-  Json figures = !options.is_all             ? segment_one(ct, options, output, progress, code)
-                 : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
-                                             : copy_all(ct, options, output, progress, code);
+  const auto cut = [&] {
+    return !options.is_all             ? segment_one(ct, options, output, progress, code)
+           : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
+                                       : copy_all(ct, options, output, progress, code);
+  };
+  Json figures;
+  try {
+    figures = cut();
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::geometry || !options.ct.labels.empty()) throw;
+    fail_with_slices(ct, error, options);
+  }
   clock.end("segmented and written");
   figures["ct_hash"] = ct.source_hash;
   report_input_warnings(ct.warnings, figures);

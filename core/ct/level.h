@@ -12,6 +12,7 @@ namespace spinaltap {
 enum class Level : std::uint8_t {
   kNone = 0,
   kC1 = 1,
+  kC2 = 2,
   kC7 = 7,
   kT1 = 8,
   kT12 = 19,

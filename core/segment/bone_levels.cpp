@@ -55,7 +55,8 @@ BoneLevels choose_bone_levels(const CtVolume& ct, std::optional<double> threshol
   }
   if (bone.empty()) {
     const auto [lowest, highest] = std::minmax_element(ct.hu.begin(), ct.hu.end());
-    fail("no voxel over the bone threshold of ", levels.low_hu, " HU; the CT holds ", *lowest, " to ", *highest, " HU");
+    fail_as(ErrorKind::geometry, "no voxel over the bone threshold of ", levels.low_hu, " HU; the CT holds ", *lowest,
+            " to ", *highest, " HU");
   }
   const auto dense = bone.begin() + static_cast<std::ptrdiff_t>((bone.size() - 1) * 95 / 100);
   std::nth_element(bone.begin(), dense, bone.end());

@@ -26,18 +26,20 @@ constexpr std::array<Numbering, 6> kNumberings{{{Level::kL5, Level::kT12, 740.0}
 
 constexpr int kC3 = 3;
 
-/// How many levels a kind of people has from the sacrum up to C3, and the one at a place above the sacrum.
-int place_count(const Numbering& kind) { return static_cast<int>(kind.lowest) - kC3 + 2; }
+/// How many levels a kind of people has from the sacrum up to C2, the first that has a body, and the one at a place
+/// above the sacrum.
+int place_count(const Numbering& kind) { return static_cast<int>(kind.lowest) - static_cast<int>(Level::kC2) + 2; }
 Level level_at(const Numbering& kind, int place) {
   return place == 0 ? Level::kSacrum : static_cast<Level>(static_cast<int>(kind.lowest) - place + 1);
 }
 
 /// How likely the ribs that were found at a level are. The last pair may be short; of 636 levels of random phantoms
 /// that it named none was misnamed, so that it is seldom missed.
-double ribs_likelihood(Ribs found, Level level, Level last) {
+double ribs_likelihood(Ribs found, Level level, Level last, bool is_lowest) {
   if (found == Ribs::unknown) return 1.0;
-  // Its transverse processes are long, and the first ribs rise beside them.
-  if (level == Level::kC7) return found == Ribs::none ? 0.8 : 0.1;
+  // Its transverse processes are long, and the first ribs rise beside them; hips stand beside the lowest.
+  if (level == Level::kC7) return found == Ribs::none ? 0.7 : found == Ribs::one_side ? 0.2 : 0.1;
+  if (is_lowest) return found == Ribs::none ? 0.84 : found == Ribs::one_side ? 0.06 : 0.1;
   const bool has_ribs =
       static_cast<int>(level) >= static_cast<int>(Level::kT1) && static_cast<int>(level) <= static_cast<int>(last);
   const bool is_last = level == last;
@@ -61,8 +63,11 @@ const BodyMeasures& measures_of(Level level) {
 }
 
 /// Log likelihood of logarithms of sizes over the table's: each off by chance, all by the person's size.
-double log_of_sizes(const std::vector<double>& off) {
+double log_of_sizes(std::vector<double> off) {
   constexpr double kOne = 0.12, kAll = 0.1;
+  // Further off is a body that is crushed, or measured wrongly.
+  constexpr double kMost = 0.3;
+  for (double& one : off) one = std::clamp(one, -kMost, kMost);
   // Neighbours are off together, by what is measured and by the person.
   constexpr double kTemper = 0.6;
   const auto count = static_cast<double>(off.size());
@@ -133,8 +138,9 @@ double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, c
       sum += std::log(0.03);
       continue;
     }
-    of_ribs += std::log(ribs_likelihood(ribs[n], level, kind.last_ribs));
+    of_ribs += std::log(ribs_likelihood(ribs[n], level, kind.last_ribs, place == 1));
     if (spine.chain[n].is_cut()) continue;
+    if (static_cast<int>(level) < kC3) continue;  // its dens may be taken with it
     const Vec3& half_mm = spine.bodies[n].cylinder.half_mm;
     const BodyMeasures& measures = measures_of(level);
     widths.push_back(std::log(2.0 * half_mm.x() / measures.width_mm));
@@ -215,6 +221,14 @@ bool has_witness(const SpineBodies& spine, const std::vector<Ribs>& ribs, const 
   return false;
 }
 
+/// The ribs of a body that the CT cuts may lie beyond it.
+std::vector<Ribs> within_ct(const SpineBodies& spine, std::vector<Ribs> ribs) {
+  for (std::size_t n = 0; n < ribs.size(); ++n) {
+    if (spine.chain[n].is_cut() && ribs[n] == Ribs::none) ribs[n] = Ribs::unknown;
+  }
+  return ribs;
+}
+
 }  // namespace
 
 std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t index, Level level) {
@@ -231,7 +245,8 @@ std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t ind
   return levels;
 }
 
-LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
+LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& found_ribs) {
+  const std::vector<Ribs> ribs = within_ct(spine, found_ribs);
   LevelNames names;
   names.levels.assign(spine.bodies.size(), Level::kNone);
   names.odds.resize(spine.bodies.size());

@@ -54,6 +54,16 @@ double median_between(const SpineBodies& spine, const Measure& measure) {
   return detail::lower_median(std::move(all));
 }
 
+/// Whether two neighbours' middles lie so much further apart than those of the pairs beside them that both may have
+/// taken a part of one between them.
+bool is_long_step(const SpineBodies& spine, std::size_t lower) {
+  // From one pair to the next steps grow by up to 1.2; a body between two makes them 1.35 times as long and more.
+  constexpr double kLong = 1.3;
+  const std::size_t lowest = spine.has_sacrum ? 1 : 0, highest = spine.chain.size() - 2;
+  if (lower <= lowest || lower >= highest) return false;
+  return step_mm(spine, lower) >= kLong * std::max(step_mm(spine, lower - 1), step_mm(spine, lower + 1));
+}
+
 /// Whether there is room for a body between one and the next above. Discs are up to half as high as their bodies, and a
 /// crushed body has room in less, where the row's discs are thin.
 bool has_room_above(const SpineBodies& spine, std::size_t lower) {
@@ -63,10 +73,31 @@ bool has_room_above(const SpineBodies& spine, std::size_t lower) {
   return room_mm >= kCrushedOverHeight * height_mm && room_mm >= kCrushedOverDisc * median_between(spine, gap_mm);
 }
 
+/// Whether a whole body is so much higher than its whole neighbours, of an outermost one the next two, than every one,
+/// that it may be two.
+bool may_be_two(const SpineBodies& spine, std::size_t n) {
+  // From T1 to L5 a body is up to 1.25 times as high as the next; two with one crushed to half make 1.6.
+  constexpr double kTwo = 1.45;
+  const std::size_t count = spine.chain.size();
+  if (count < 3 || spine.chain[n].is_cut()) return false;
+  const std::size_t first = n == 0           ? 1
+                            : n + 1 == count ? n - 2
+                                             : n - 1,
+                    last = n == 0           ? 2
+                           : n + 1 == count ? n - 1
+                                            : n + 1;
+  for (std::size_t other = first; other <= last; ++other) {
+    if (other == n) continue;
+    if (spine.chain[other].is_cut() || spine.chain[n].height_mm() < kTwo * spine.chain[other].height_mm()) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<int> bodies_missing_above(const SpineBodies& spine, std::size_t lower) {
-  if (!has_room_above(spine, lower)) return 0;
+  if (may_be_two(spine, lower) || may_be_two(spine, lower + 1)) return std::nullopt;
+  if (!has_room_above(spine, lower)) return is_long_step(spine, lower) ? std::nullopt : std::optional(0);
   constexpr double kMaxOff = 0.25;
   constexpr int kMost = 2;  // steps change along a spine
   const double steps = step_mm(spine, lower) / median_between(spine, step_mm);
@@ -81,10 +112,20 @@ std::vector<std::string> gaps_in_row(const SpineBodies& spine) {
   if (count < 2) return gaps;
   // From below: between neighbours.
   for (std::size_t n = 0; n + 1 < count; ++n) {
-    if (!has_room_above(spine, n)) continue;
+    const bool has_room = has_room_above(spine, n);
+    if (!has_room && !is_long_step(spine, n)) continue;
+    const std::string why =
+        has_room ? joined(std::lround(gap_mm(spine, n)), " mm lie between two of ",
+                          std::lround(mean_height_mm(spine, n)), " mm")
+                 : joined("their middles are ", std::lround(step_mm(spine, n)), " mm apart, those beside them up to ",
+                          std::lround(std::max(step_mm(spine, n - 1), step_mm(spine, n + 1))), " mm");
     gaps.push_back(joined("a body may be missed between ", at_height(middle_mm(spine, n + 1)), " and ",
-                          at_height(middle_mm(spine, n)), ": ", std::lround(gap_mm(spine, n)),
-                          " mm lie between two of ", std::lround(mean_height_mm(spine, n)), " mm"));
+                          at_height(middle_mm(spine, n)), ": ", why));
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    if (!may_be_two(spine, n)) continue;
+    gaps.push_back(joined("a body at ", at_height(middle_mm(spine, n)), " is ", std::lround(spine.chain[n].height_mm()),
+                          " mm high, much higher than its neighbours: it may be two"));
   }
   // Half a vertebra belongs to the outermost body itself, half a one may be cut by the CT's border or the canal's end.
   constexpr double kMinVertebrae = 2.0;

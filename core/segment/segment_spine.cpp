@@ -57,10 +57,13 @@ std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec
     min_mm = away_mm;
     nearest = &body;
   }
-  if (nearest == nullptr) fail(what, ": expected a point in a vertebral body, found no spine around ", in_words(p_mm));
-  fail(what, ": expected a point in a vertebral body, found no body's wall around ", in_words(p_mm),
-       "; the nearest body begins ", std::lround(min_mm), " mm away, its middle is ",
-       in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
+  if (nearest == nullptr) {
+    fail_as(ErrorKind::geometry, what, ": expected a point in a vertebral body, found no spine around ",
+            in_words(p_mm));
+  }
+  fail_as(ErrorKind::geometry, what, ": expected a point in a vertebral body, found no body's wall around ",
+          in_words(p_mm), "; the nearest body begins ", std::lround(min_mm), " mm away, its middle is ",
+          in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
 }
 
 /// Where a spine was looked for, and how far that went.
@@ -94,9 +97,9 @@ SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const 
   }
   if (spine.bodies.empty()) {
     if (has_seed) body_of(spine, "seed", seed_mm);
-    fail("found no spine in the CT: ", what_was_seen(ct, spine),
-         "; give a point in a body, or the CT number from which on there is bone, and check that its slices stand "
-         "across the patient and are at most some 5 mm apart");
+    fail_as(ErrorKind::geometry, "found no spine in the CT: ", what_was_seen(ct, spine),
+            "; give a point in a body, or the CT number from which on there is bone, and check that its slices stand "
+            "across the patient and are at most some 5 mm apart");
   }
   return spine;
 }
@@ -218,6 +221,10 @@ void set_name(LevelReport& report, const Names& names, std::size_t index) {
   report.name_odds = names.found.odds[index];
   report.name = level == Level::kNone ? "V" + std::to_string(from_above + 1) : level_name(level);
   report.label = level == Level::kNone ? kFirstUnnamedLabel + static_cast<int>(from_above) : static_cast<int>(level);
+  if (level != Level::kC2) return;
+  report.warnings.push_back({"C2 is looked for as bodies further down are: of its dens and ring parts may be missing",
+                             kSuspect, std::nullopt});
+  report.severity = total_severity(report.warnings);
 }
 
 BoneReport bone_of(const BoneLevels& levels) {

@@ -18,6 +18,7 @@ namespace spinaltap {
 namespace {
 
 constexpr double kBlockMm = SpinalCanal::kStepMm;
+constexpr const char* kStage = "finding the spinal canal";
 
 /// The CT in blocks of about kBlockMm, axes along the patient's.
 struct Blocks {
@@ -441,24 +442,40 @@ void take_out(const SpinalCanal& canal, const GridGeometry& geometry, std::vecto
 
 }  // namespace
 
-SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const CanalSearch& search,
-                              const Progress& progress) {
-  progress.report("finding the spinal canal", 0.0);
-  const Blocks blocks = blocks_of(ct, levels);
-  const GridGeometry& geometry = blocks.geometry;
-  progress.report("finding the spinal canal", 0.3);
-  std::vector<float> score(geometry.voxel_count(), 0.0F);
-  const CanalScore score_at(blocks);
-  tbb::parallel_for(0, geometry.size[2], [&](int k) {
-    for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i) {
-        score[geometry.offset(i, j, k)] = static_cast<float>(score_at(i, j, k));
+struct CanalFinder::Scores {
+  Blocks blocks;
+  CanalScore score_at;
+  std::vector<float> smooth;
+
+  Scores(const CtVolume& ct, const BoneLevels& levels, const Progress& progress)
+      : blocks(blocks_of(ct, levels)), score_at(blocks) {
+    progress.report(kStage, 0.3);
+    const GridGeometry& geometry = blocks.geometry;
+    std::vector<float> score(geometry.voxel_count(), 0.0F);
+    tbb::parallel_for(0, geometry.size[2], [&](int k) {
+      for (int j = 0; j < geometry.size[1]; ++j) {
+        for (int i = 0; i < geometry.size[0]; ++i) {
+          score[geometry.offset(i, j, k)] = static_cast<float>(score_at(i, j, k));
+        }
       }
-    }
-  });
-  score = smoothed(score, geometry);
+    });
+    smooth = smoothed(score, geometry);
+  }
+};
+
+CanalFinder::CanalFinder(const CtVolume& ct, const BoneLevels& levels, const Progress& progress) {
+  progress.report(kStage, 0.0);
+  scores_ = std::make_unique<const Scores>(ct, levels, progress);
+}
+CanalFinder::~CanalFinder() = default;
+CanalFinder::CanalFinder(CanalFinder&&) noexcept = default;
+CanalFinder& CanalFinder::operator=(CanalFinder&&) noexcept = default;
+
+SpinalCanal CanalFinder::find(const CanalSearch& search, const Progress& progress) const {
+  const GridGeometry& geometry = scores_->blocks.geometry;
+  std::vector<float> score = scores_->smooth;
   for (const SpinalCanal& other : search.but_not) take_out(other, geometry, score);
-  progress.report("finding the spinal canal", 0.6);
+  progress.report(kStage, 0.6);
   const Chains up = best_chains(score, geometry, 1);
   const Chains down = best_chains(score, geometry, -1);
   double best = 0.0;
@@ -487,13 +504,13 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   if (chain.size() < kMinBlocks) return canal;
   chain = straightest_part(chain, score, geometry, search, middle);
   if (chain.size() < kMinBlocks) return canal;
-  for (const Vec3& place : centred(chain, score_at)) canal.points_mm.push_back(geometry.to_patient(place));
+  for (const Vec3& place : centred(chain, scores_->score_at)) canal.points_mm.push_back(geometry.to_patient(place));
   for (const Index& at : chain) {
     canal.support.push_back(static_cast<double>(score[geometry.offset(at[0], at[1], at[2])]));
   }
   constexpr int kEvenBlocks = 3;
   canal.points_mm = evened(canal.points_mm, kEvenBlocks);
-  progress.report("finding the spinal canal", 1.0);
+  progress.report(kStage, 1.0);
   return canal;
 }
 

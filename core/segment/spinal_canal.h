@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,14 +22,27 @@ struct CanalSearch {
   std::vector<SpinalCanal> but_not = {};       ///< what looked like canals, and had no bodies
 };
 
-/// Finds the canal of a CT that lies in the patient's frame.
+/// Finds the canals of a CT that lies in the patient's frame.
 ///
 /// In steps of 2.5 mm, each soft voxel looks along 16 directions across the patient for bone (in the brightest voxel of
 /// the block), and forward through it for a body's depth of bone. A canal is what sees bone on most sides, near, with a
 /// body in front. The best chain of such places from slice to slice, which shifts by at most 45 degrees, is found by
 /// dynamic programming, after Yao (2006, "Automated spinal column extraction and partitioning"); it begins and ends
-/// where it is best to. Empty where no chain is longer than 10 mm.
-SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const CanalSearch& search = {},
-                              const Progress& progress = {});
+/// where it is best to.
+class CanalFinder {
+ public:
+  /// Looks at all of the CT, once for all canals.
+  CanalFinder(const CtVolume& ct, const BoneLevels& levels, const Progress& progress = {});
+  ~CanalFinder();
+  CanalFinder(CanalFinder&&) noexcept;
+  CanalFinder& operator=(CanalFinder&&) noexcept;
+
+  /// Empty where no chain is longer than 10 mm.
+  SpinalCanal find(const CanalSearch& search = {}, const Progress& progress = {}) const;
+
+ private:
+  struct Scores;
+  std::unique_ptr<const Scores> scores_;
+};
 
 }  // namespace spinaltap

@@ -255,8 +255,9 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
     BoneLevels canal_levels = levels;
     canal_levels.low_hu *= share;
     canal_levels.sure_hu *= share;
+    const CanalFinder finder(ct, canal_levels, progress);
     for (int n = 0; n < kMaxTries; ++n) {
-      SpinalCanal canal = find_spinal_canal(ct, canal_levels, search, progress);
+      SpinalCanal canal = finder.find(search, progress);
       if (canal.points_mm.empty()) break;
       const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
       SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);

@@ -84,7 +84,7 @@ class CollapseQueue {
   struct Cost {
     float mm2;
     std::uint32_t to;
-    auto operator<=>(const Cost&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees a 0 in it
+    bool operator<(const Cost& other) const { return std::pair(mm2, to) < std::pair(other.mm2, other.to); }
   };
   static constexpr Cost kAll{-1.0F, 0};  ///< less than any
   struct Entry {
@@ -110,7 +110,7 @@ class CollapseQueue {
       const double off_mm2 = std::max(0.0, quadrics_[from].sum(p) + quadrics_[to].sum(p)) / std::max(area, 1e-30);
       if (off_mm2 > most_mm2) continue;
       const Cost cost{static_cast<float>(off_mm2 + kLength * (p - mesh_.at_mm(from)).squaredNorm()), to};
-      if (cost > tried && (!is_found || cost < best)) {
+      if (tried < cost && (!is_found || cost < best)) {
         best = cost;
         is_found = true;
       }

@@ -8,6 +8,7 @@
 #include "core/ct/read_ct.h"
 #include "core/files/json_file.h"
 #include "tests/cli/program.h"
+#include "tests/support/made_nifti.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
@@ -221,6 +222,20 @@ TEST_F(Segment, BakesTheLevelsThatItFinds) {
   ASSERT_FALSE(json["levels"].empty());
   EXPECT_TRUE(json["levels"][0].contains("severity"));
   EXPECT_THAT(run("info spine.vdb").output, HasSubstr("L3"));
+}
+
+// Soft tissue without any bone: whoever looks at the slices sees why.
+TEST_F(Segment, ShowsTheCtWhereItFindsNothing) {
+  test::MadeNifti soft;
+  soft.dim = {3, 40, 40, 30, 1, 1, 1, 1};
+  soft.values.assign(40 * 40 * 30, 45.0);
+  std::ofstream(in("soft.nii"), std::ios::binary) << soft.bytes();
+  const test::ProgramRun asked = run("segment soft.nii -o none.seg.nrrd --picture soft.png");
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.errors, AllOf(HasSubstr("no voxel over the bone threshold"), HasSubstr("slices in soft.png")));
+  EXPECT_THAT(whole("soft.png"), HasSubstr("PNG"));
+  EXPECT_FALSE(fs::exists(in("none.seg.nrrd")));
+  EXPECT_THAT(run("segment soft.nii --all -o none.seg.nrrd").errors, HasSubstr("--picture"));
 }
 
 TEST_F(Segment, SaysWhatIsWrongWithPointsAndNames) {

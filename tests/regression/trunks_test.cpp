@@ -12,10 +12,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/base/error.h"
-#include "core/phantom/random_trunk.h"
 #include "tests/support/test_kind.h"
-#include "tests/support/trunk_scores.h"
+#include "tests/trunks/trunk_exam.h"
 
 namespace spinaltap {
 namespace {
@@ -60,38 +58,20 @@ struct Reliability {
   }
 };
 
-std::string trunk_warnings_of(const LevelReport& report) {
-  std::string texts;
-  for (const LevelWarning& warning : report.warnings) texts += (texts.empty() ? "" : "; ") + warning.text;
-  return texts;
-}
-
 /// One patient. Prints a line for each level that is missed or wrong.
 TrunkCounts examine(std::uint64_t seed, Reliability& reliability) {
-  const TrunkOptions options = random_trunk_options(seed);
-  const Spine spine(options.spine);
-  const CtVolume ct = scan_trunk(spine, options);
-  const std::string what = "seed " + std::to_string(seed) + " (" + describe(options) + ")";
-  SpineSegmentation found;
-  try {
-    found = segment_spine(ct);
-  } catch (const Error& error) {  // it says that there is no spine: all are missed, with a word
-    std::printf("%s: %s\n", what.c_str(), error.what());
-    found.labels = {ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0), {}};
-    found.gaps.emplace_back(error.what());
-  }
-  const test::TrunkScore score = test::score_trunk(found, spine, true_labels(spine, ct.geometry));
-  const double right_dice = options.scan.slice_step_mm <= 1.5 ? 0.9 : 0.8;
+  const test::TrunkExam exam = test::examine_trunk(seed);
+  const std::string what = exam.what();
   TrunkCounts counts;
-  for (const test::WholeLevelScore& level : score.levels) {
+  for (const test::WholeLevelScore& level : exam.score.levels) {
     ++counts.whole;
     if (!level.found) {
       counts.missed_untold += level.is_told ? 0 : 1;
       std::printf("%s %s: missed%s\n", what.c_str(), level_name(level.level).c_str(), level.is_told ? "" : ", NO WORD");
       continue;
     }
-    const LevelReport& report = found.levels[*level.found];
-    const bool is_wrong = !(level.dice >= right_dice);
+    const LevelReport& report = exam.report_of(level);
+    const bool is_wrong = exam.is_wrong(level);
     ++counts.found;
     reliability.add(report.severity, is_wrong);
     if (report.level == Level::kNone) {
@@ -113,12 +93,12 @@ TrunkCounts examine(std::uint64_t seed, Reliability& reliability) {
     counts.untold += level.is_told ? 0 : 1;
     std::printf("%s %s: Dice %.3f, centre %.1f mm, severity %.2f%s %s\n", what.c_str(), level_name(level.level).c_str(),
                 level.dice, level.centre_mm, report.severity, level.is_told ? "" : ", NO WORD",
-                trunk_warnings_of(report).c_str());
+                test::warnings_in_line(report).c_str());
   }
-  for (const std::size_t n : score.extra) {
+  for (const std::size_t n : exam.score.extra) {
     ++counts.extra;
-    std::printf("%s: %s is no level, severity %.2f\n", what.c_str(), found.levels[n].name.c_str(),
-                found.levels[n].severity);
+    std::printf("%s: %s is no level, severity %.2f\n", what.c_str(), exam.found.levels[n].name.c_str(),
+                exam.found.levels[n].severity);
   }
   if (counts.misnamed > 0) std::printf("%s: %d named wrongly\n", what.c_str(), counts.misnamed);
   std::printf("%s: %d whole, %d found, %d right\n", what.c_str(), counts.whole, counts.found, counts.right);

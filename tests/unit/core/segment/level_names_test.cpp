@@ -73,6 +73,30 @@ TEST(VotedNames, BeginAtTheFirstRibs) {
   EXPECT_EQ(names.levels[3], Level::kC7);
 }
 
+// A thoracic row of which the CT cuts the lowest: its ribs lie beyond.
+TEST(VotedNames, DoNotEndRibsAtABodyThatTheCtCuts) {
+  using enum Ribs;
+  SpineBodies row = row_of({32.0, 30.0, 28.5, 27.5, 26.0}, false);
+  row.chain[0].lower.is_cut = true;
+  const LevelNames names = voted_names(row, {none, both, both, both, both});
+  EXPECT_THAT(names.levels, testing::Each(Level::kNone));
+  const double cut = names.odds[1].front().probability;
+  row.chain[0].lower.is_cut = false;
+  const LevelOdds whole = voted_names(row, {none, both, both, both, both}).odds[1].front();
+  EXPECT_EQ(whole.level, Level::kT12);
+  EXPECT_GT(whole.probability, 2.0 * cut);
+}
+
+// C2 has a body too: a row that begins with it is not moved down by one.
+TEST(VotedNames, BeginWithTheSecondOfTheNeck) {
+  using enum Ribs;
+  // T3 to C2.
+  const LevelNames names = voted_names(row_of({24.6, 24.9, 24.5, 21.8, 18.5, 17.5, 17.2, 15.8, 18.0}, false),
+                                       {both, both, both, none, none, none, none, none, none});
+  EXPECT_EQ(names.levels[2], Level::kT1);
+  EXPECT_EQ(names.levels[8], Level::kC2);
+}
+
 TEST(VotedNames, AgreeOrTheSpineIsTransitional) {
   using enum Ribs;
   std::vector<double> widths = kToT10;

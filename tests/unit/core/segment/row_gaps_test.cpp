@@ -60,6 +60,38 @@ TEST(GapsInRow, SayWhereACrushedBodyHasRoomAmongThinDiscs) {
   EXPECT_THAT(gaps_in_row(spine), IsEmpty()) << "a disc of 17 mm";
 }
 
+// The bodies beside one that was not found have taken a part of it each.
+TEST(GapsInRow, SayWhereAStepIsLong) {
+  SpineBodies spine = row_at({0, 1, 2, 3, 4}, -40.0, 180.0);
+  for (const std::size_t n : {std::size_t{3}, std::size_t{4}}) {
+    spine.bodies[n].cylinder.centre_mm.z() += 13.0;
+    for (BodyEnd* end : {&spine.chain[n].lower, &spine.chain[n].upper}) end->centre_mm.z() += 13.0;
+  }
+  spine.chain[3].lower.centre_mm.z() -= 8.0;
+  EXPECT_THAT(gaps_in_row(spine), ElementsAre("a body may be missed between z 118 mm and z 70 mm: their middles are "
+                                              "48 mm apart, those beside them up to 35 mm"));
+  EXPECT_EQ(bodies_missing_above(spine, 2), std::nullopt);
+  EXPECT_EQ(bodies_missing_above(spine, 1), 0);
+}
+
+// Two of 27 mm with their disc of 8; one of them crushed to half.
+TEST(GapsInRow, SayWhichBodyMayBeTwo) {
+  SpineBodies spine = row_at({0, 1, 2, 3}, -40.0, 150.0);
+  const auto grow = [&](std::size_t n, double height_mm) {
+    spine.chain[n].upper.s_mm = spine.chain[n].lower.s_mm + height_mm;
+    spine.chain[n].upper.centre_mm.z() = spine.chain[n].lower.centre_mm.z() + height_mm;
+  };
+  grow(1, 48.0);
+  EXPECT_THAT(gaps_in_row(spine),
+              ElementsAre("a body at z 35 mm is 48 mm high, much higher than its neighbours: it may be two"));
+  EXPECT_EQ(bodies_missing_above(spine, 0), std::nullopt);
+  EXPECT_EQ(bodies_missing_above(spine, 1), std::nullopt);
+  EXPECT_EQ(bodies_missing_above(spine, 2), 0);
+  grow(1, 27.0);
+  grow(2, 16.0);
+  EXPECT_THAT(gaps_in_row(spine), IsEmpty()) << "a crushed one beside sound ones";
+}
+
 TEST(GapsInRow, HaveRoomForSoManyBodies) {
   const SpineBodies spine = row_at({0, 1, 3, 6, 11, 12, 13, 14}, -40.0, 400.0);
   EXPECT_EQ(bodies_missing_above(spine, 0), 0);

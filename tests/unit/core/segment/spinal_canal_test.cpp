@@ -50,9 +50,9 @@ TEST(SpinalCanalOfAScan, LiesInTheTrueOneBehindABrightAorta) {
   const Spine spine(options);
   const CtVolume ct = test::scan_spine(spine);
   const BoneLevels levels = choose_bone_levels(ct);
-  expect_true_canal(find_spinal_canal(ct, levels), spine);
+  expect_true_canal(CanalFinder(ct, levels).find(), spine);
   expect_true_canal(
-      find_spinal_canal(ct, levels, {.near_mm = test::vertebra_of(spine, Level::kL1).to_patient(Vec3::Zero())}), spine);
+      CanalFinder(ct, levels).find({.near_mm = test::vertebra_of(spine, Level::kL1).to_patient(Vec3::Zero())}), spine);
 }
 
 TEST(SpinalCanalOfAScan, FollowsAScoliosisOf30Degrees) {
@@ -63,7 +63,7 @@ TEST(SpinalCanalOfAScan, FollowsAScoliosisOf30Degrees) {
   options.scoliosis_deg = 30.0;
   const Spine spine(options);
   const CtVolume ct = test::scan_spine(spine);
-  expect_true_canal(find_spinal_canal(ct, choose_bone_levels(ct)), spine);
+  expect_true_canal(CanalFinder(ct, choose_bone_levels(ct)).find(), spine);
 }
 
 }  // namespace

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "core/base/image.h"
+#include "tests/trunks/trunk_exam.h"
+
+namespace spinaltap::test {
+
+/// A level that is missed or wrong: axial, coronal and sagittal through the true middle of its body, the truth outlined
+/// in blue, what was found in orange, dashed.
+Image failure_picture(const TrunkExam& exam, const WholeLevelScore& level);
+
+}  // namespace spinaltap::test
