@@ -92,7 +92,7 @@ TEST_F(WhichPatient, OtherPatientsAndLevelsAreRefusedByName) {
 }
 
 TEST_F(WhichPatient, TheSameCtInOtherVoxelsIsTheSame) {
-  const test::ProgramRun graded = run("grade l3_coarse.vdb plan.json -o out --json g.json");
+  const test::ProgramRun graded = run("grade l3_coarse.vdb plan.json --errors none -o out --json g.json");
   EXPECT_EQ(graded.exit_code, 0) << graded.errors << graded.output;
   EXPECT_THAT(graded.output, Not(HasSubstr("note")));
   const Json figures = read_json(in("g.json"));
@@ -102,7 +102,7 @@ TEST_F(WhichPatient, TheSameCtInOtherVoxelsIsTheSame) {
 }
 
 TEST_F(WhichPatient, AnotherCtCanBeTakenAndIsWrittenDown) {
-  const test::ProgramRun graded = run("grade other.vdb plan.json --other-ct -o out --json g.json");
+  const test::ProgramRun graded = run("grade other.vdb plan.json --errors none --other-ct -o out --json g.json");
   ASSERT_EQ(graded.exit_code, 0) << graded.errors;
   EXPECT_THAT(graded.output, HasSubstr(kOtherCt));
   for (const fs::path& file : {in("g.json"), in("out/grade.json"), in("out/report.html")}) {
@@ -126,7 +126,7 @@ TEST_F(WhichPatient, ARecordNamesItsBoneAndRunsOnAnotherOneOnlyWhereThatIsSaid) 
 
 TEST_F(WhichPatient, PlansWithoutANameAreTakenWithAWord) {
   for (const std::string& command :
-       {std::string("grade l3.vdb nameless.json -o out"), std::string("drill l3.vdb nameless.json") + kDrill,
+       {std::string("grade l3.vdb nameless.json --errors none -o out"), std::string("drill l3.vdb nameless.json") + kDrill,
         std::string("render l3.vdb --plan nameless.json -o p.png")}) {
     const test::ProgramRun taken = run(command);
     EXPECT_EQ(taken.exit_code, 0) << command << taken.errors << taken.output;
@@ -136,12 +136,12 @@ TEST_F(WhichPatient, PlansWithoutANameAreTakenWithAWord) {
 
 TEST_F(WhichPatient, RasPointsAndSwappedEndsAreNamedAndNotDrilled) {
   for (const auto& [plan, cause] : {std::pair("ras.json", "RAS: x and y negated"), {"swapped.json", "swapped"}}) {
-    const test::ProgramRun graded = run(std::string("grade l3.vdb ") + plan + " -o out --json g.json");
+    const test::ProgramRun graded = run(std::string("grade l3.vdb ") + plan + " --errors none -o out --json g.json");
     EXPECT_EQ(graded.exit_code, 1) << plan << graded.errors;
     EXPECT_THAT(graded.output, HasSubstr(cause));
     EXPECT_THAT(read_json(in("g.json"))["plan_warnings"].dump(), HasSubstr(cause));
     EXPECT_THAT(read_whole_file(in("out/report.html")), HasSubstr("fits if"));
-    EXPECT_EQ(run(std::string("grade l3.vdb ") + plan + " --accept-warnings -o out").exit_code, 0);
+    EXPECT_EQ(run(std::string("grade l3.vdb ") + plan + " --errors none --accept-warnings -o out").exit_code, 0);
     expect_rejected(std::string("drill l3.vdb ") + plan + kDrill, {cause, "--force-path"});
     const test::ProgramRun forced = run(std::string("drill l3.vdb ") + plan + " --force-path" + kDrill);
     EXPECT_EQ(forced.exit_code, 0) << plan << forced.errors;

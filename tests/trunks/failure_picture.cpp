@@ -83,4 +83,21 @@ Image failure_picture(const TrunkExam& exam, const WholeLevelScore& level) {
   return whole;
 }
 
+Image captioned(const std::vector<std::pair<Image, std::string>>& pictures) {
+  constexpr int kScale = 2, kLine = kScale * kTextHeight + 6;
+  Image sheet;
+  for (const auto& [picture, caption] : pictures) {
+    sheet.width = std::max({sheet.width, picture.width, pixel_text_width(caption, kScale) + 8});
+    sheet.height += kLine + picture.height + kGap;
+  }
+  sheet.rgb.assign(3 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 0);
+  int y = 0;
+  for (const auto& [picture, caption] : pictures) {
+    draw_text(sheet, 4, y + 3, caption, kScale, kWhite);
+    paste(picture, sheet, 0, y + kLine);
+    y += kLine + picture.height + kGap;
+  }
+  return sheet;
+}
+
 }  // namespace spinaltap::test

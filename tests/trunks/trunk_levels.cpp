@@ -1,15 +1,15 @@
 // trunk_levels FOLDER FIRST COUNT [STEP]: examines COUNT random trunks, every STEPth (2) seed from FIRST on. Leaves in
-// FOLDER levels.csv, a line for each level that lies whole in a CT, with how right it is and what its doubt is reckoned
-// from, and failures.html, pictures of those that are missed or wrong.
+// FOLDER levels.csv, a line for each level that lies whole in a CT, with how right it is and what doubt may be learned
+// from, failures.html, pictures of those that are missed or wrong, and failures.png, the first of each CT.
 
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 
 #include "apps/report/html_report.h"
-#include "core/base/error.h"
+#include "apps/report/png.h"
+#include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
 #include "tests/trunks/failure_picture.h"
 #include "tests/trunks/level_table.h"
@@ -17,7 +17,10 @@
 namespace spinaltap::test {
 namespace {
 
-void show_failures(const TrunkExam& exam, HtmlReport& page) {
+using Gallery = std::vector<std::pair<Image, std::string>>;
+
+void show_failures(const TrunkExam& exam, HtmlReport& page, Gallery& gallery) {
+  bool is_first = true;
   for (const WholeLevelScore& level : exam.score.levels) {
     if (!exam.is_wrong(level)) continue;
     page.add_heading(exam.what() + ", " + level_name(level.level));
@@ -31,13 +34,22 @@ void show_failures(const TrunkExam& exam, HtmlReport& page) {
       for (const std::string& gap : exam.found.gaps) words += "; " + gap;
     }
     page.add_text(words);
-    page.add_pictures({{failure_picture(exam, level), "truth blue; found orange, dashed"}});
+    const Image picture = failure_picture(exam, level);
+    page.add_pictures({{picture, "truth blue; found orange, dashed"}});
+    constexpr std::size_t kMost = 8;
+    if (is_first && gallery.size() < kMost) {
+      const std::string outcome = level.found ? "DICE " + fixed_text(level.dice, 2) : "MISSED";
+      gallery.emplace_back(picture, joined("SEED ", exam.seed, ", ", level_name(level.level), ": ", outcome,
+                                           level.is_told ? ", SAID" : ", NOT SAID"));
+    }
+    is_first = false;
   }
 }
 
 int run(const std::filesystem::path& folder, std::uint64_t first, std::uint64_t count, std::uint64_t step) {
   std::filesystem::create_directories(folder);
   LevelTable table(folder / "levels.csv");
+  Gallery gallery;
   HtmlReport page("Levels of random trunks that are missed or wrong");
   for (std::uint64_t n = 0; n < count; ++n) {
     const TrunkExam exam = examine_trunk(first + n * step);
@@ -50,12 +62,12 @@ int run(const std::filesystem::path& folder, std::uint64_t first, std::uint64_t 
     }
     std::printf("%s: %zu whole levels, %d wrong or missed\n", exam.what().c_str(), exam.score.levels.size(), wrong);
     std::fflush(stdout);
-    show_failures(exam, page);
+    show_failures(exam, page, gallery);
   }
-  std::ofstream gallery(folder / "failures.html");
-  gallery << page.html();
-  gallery.close();
-  if (!gallery) fail("cannot write to ", folder.string());
+  StagedOutput output;
+  output.write(folder / "failures.html", page.html());
+  if (!gallery.empty()) output.write(folder / "failures.png", encode_png(captioned(gallery)));
+  output.commit();
   return 0;
 }
 
