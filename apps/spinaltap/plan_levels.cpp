@@ -62,6 +62,7 @@ Json lay_rod(std::vector<PlannedLevel>& levels, std::size_t side) {
       SuggestedPath other = *choices[n].choices[chosen[n]];
       other.safe = safe_zone(planned[n]->bone.walls(), other.path);
       other.trajectories_tried = suggestion.best->trajectories_tried;
+      const std::vector<std::string> why_thin = std::move(other.reasons);
       other.reasons = {"not the best alone, which is a " + suggestion.best->path.screw->name +
                        " screw: its head lies in line with its neighbours' for a rod"};
       const Landmarks& marks = planned[n]->bone.landmarks();
@@ -69,6 +70,7 @@ Json lay_rod(std::vector<PlannedLevel>& levels, std::size_t side) {
       other.reasons.push_back("fills " + readable_number(100.0 * other.path.screw->diameter_mm / width_mm, 0) +
                               " % of the pedicle's width of " + readable_number(width_mm, 1) +
                               " mm; technique: " + name_of(other.technique));
+      other.reasons.insert(other.reasons.end(), why_thin.begin(), why_thin.end());
       suggestion.others[chosen[n] - 1] = std::move(*suggestion.best);
       suggestion.best = std::move(other);
     }

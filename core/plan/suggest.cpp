@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/plan/convergence.h"
+#include "core/plan/detail/suggestion_words.h"
 #include "core/plan/detail/trajectory_search.h"
 #include "core/tool/plate.h"
 
@@ -42,13 +43,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   }
 }
 
-std::string short_number(double value, int decimals = 1) {
-  std::string digits = fixed_text(value, decimals);
-  if (digits.find('.') == std::string::npos) return digits;
-  while (digits.back() == '0') digits.pop_back();
-  if (digits.back() == '.') digits.pop_back();
-  return digits;
-}
+using detail::short_number;
 
 /// What is tried, in order, until something of grade A is found. Margins below 0 let a screw breach: the last resort.
 std::vector<detail::Attempt> attempts_of(const SuggestOptions& options, double pedicle_width_mm) {
@@ -123,6 +118,8 @@ struct Graded {
 
 /// Screws that fill less of a pedicle's width hold less than they could.
 constexpr double kThin = 0.6;
+/// Where less bone is left around a screw another one is better, though it be thinner: no surface is found so well.
+constexpr double kTightMm = 0.25;
 
 class SideSearch {
  public:
@@ -137,19 +134,19 @@ class SideSearch {
         search_(walls, hu, screws, options, side) {}
 
   void run(const Progress& progress) {
-    constexpr std::size_t kMaxRefined = 6;
     constexpr double kHalfMm = 0.5;
     for (const detail::Attempt& attempt : attempts_of(options_, search_.pedicle().width_mm)) {
       // What was found with more margin is only given up for a better one with half a millimetre still around it.
       const bool is_second_look = has_path();
-      if (is_second_look && (attempt.technique != best().attempt.technique || attempt.margin_mm < kHalfMm)) return;
+      if (is_second_look && (attempt.technique != best().attempt.technique || attempt.margin_mm < kHalfMm)) break;
       for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
         Graded one = grade(candidate, attempt);
         if (is_acceptable(one.path, attempt)) found_.push_back(std::move(one));
       }
       std::stable_sort(found_.begin(), found_.end(), is_better);
-      if (has_path() && (is_second_look || holds_well(best().path))) return;
+      if (has_path() && (is_second_look || holds_well(best().path))) break;
     }
+    look_for_thicker(progress);
   }
 
   bool has_path() const { return !found_.empty(); }
@@ -177,11 +174,13 @@ class SideSearch {
       result.rejection = rejection(result.side);
       return result;
     }
-    // For a rod: none that is graded worse, or of which there is more to warn.
+    // For a rod: none that is graded worse, of which there is more to warn, or with less bone where that is little.
     for (std::size_t n = 1; n < found_.size(); ++n) {
       const SuggestedPath& other = found_[n].path;
-      if (other.grade.grade == best().path.grade.grade && warnings(other) <= warnings(best().path)) {
+      if (other.grade.grade == best().path.grade.grade && warnings(other) <= warnings(best().path) &&
+          tight_share(other) <= tight_share(best().path)) {
         result.others.push_back(other);
+        result.others.back().reasons = why_thin(found_[n]);
       }
     }
     SuggestedPath chosen = best().path;
@@ -193,6 +192,32 @@ class SideSearch {
   }
 
  private:
+  static constexpr std::size_t kMaxRefined = 6;
+
+  /// Of a screw that is thin for its pedicle: the best ways are those that are best for thin ones, so that a thick
+  /// one's may not be among them.
+  void look_for_thicker(const Progress& progress) {
+    if (!has_path() || !is_thin(best().path)) return;
+    detail::Attempt attempt = best().attempt;
+    if (attempt.technique == Technique::in_out_in || attempt.margin_mm < 0.0) return;
+    attempt.least_diameter_mm = thick_mm();
+    for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
+      Graded one = grade(candidate, attempt);
+      if (is_acceptable(one.path, attempt)) found_.push_back(std::move(one));
+    }
+    std::stable_sort(found_.begin(), found_.end(), is_better);
+  }
+
+  bool is_thin(const SuggestedPath& path) const {
+    return path.path.screw->diameter_mm < kThin * search_.pedicle().width_mm;
+  }
+
+  /// 0 where there is bone enough around the screw, 1 where there is none.
+  static double tight_share(const SuggestedPath& path) {
+    const double least_mm = std::min(path.grade.outer.clearance_mm, path.grade.canal.clearance_mm);
+    return std::clamp(1.0 - least_mm / kTightMm, 0.0, 1.0);
+  }
+
   Graded grade(const detail::ScrewCandidate& candidate, const detail::Attempt& attempt) const {
     Graded one{candidate, attempt, {}, 0.0};
     one.path.path = with_head_clear(walls_, candidate.path, options_.max_back_out_mm);
@@ -211,7 +236,7 @@ class SideSearch {
                 0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
                 2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0) -
                 2.0 * options_.weights.diameter * std::max(0.0, thick_mm() - screw_mm) / search_.pedicle().width_mm -
-                0.3 * static_cast<double>(warnings(one.path));
+                0.3 * static_cast<double>(warnings(one.path)) - tight_share(one.path);
     return one;
   }
 
@@ -254,7 +279,7 @@ class SideSearch {
   /// Thick and deep enough that nobody would look further.
   bool holds_well(const SuggestedPath& path) const {
     constexpr double kDeep = 0.5;
-    return path.path.screw->diameter_mm >= thick_mm() && body_share(path) >= kDeep;
+    return path.path.screw->diameter_mm >= thick_mm() && body_share(path) >= kDeep && tight_share(path) == 0.0;
   }
 
   static std::ptrdiff_t warnings(const SuggestedPath& path) {
@@ -316,53 +341,29 @@ class SideSearch {
                       "behind the entry");
     }
     if (!alike_.empty()) words.push_back(alike_);
-    const std::size_t before = words.size();
     add_comparison(words);
-    if (alike_.empty() && words.size() == before) add_what_thicker_would(words);
+    for (std::string& why : why_thin(best())) words.push_back(std::move(why));
     return words;
   }
 
-  /// Why a screw that is thin for its pedicle is no thicker: what the next one of the table would do on its way.
-  void add_what_thicker_would(std::vector<std::string>& words) const {
-    const detail::Attempt& attempt = best().attempt;
-    const PedicleScrew& screw = *best().path.path.screw;
-    if (attempt.technique == Technique::in_out_in || attempt.margin_mm < 0.0) return;
-    if (screw.diameter_mm >= kThin * search_.pedicle().width_mm) return;
-    // Of those that are thicker the thinnest, and of these the one of the length that is nearest.
-    const PedicleScrew* next = nullptr;
-    for (const PedicleScrew& other : screws_) {
-      if (other.diameter_mm <= screw.diameter_mm) continue;
-      const auto far_mm = [&](const PedicleScrew& one) { return std::abs(one.length_mm - screw.length_mm); };
-      if (next == nullptr || other.diameter_mm < next->diameter_mm ||
-          (other.diameter_mm == next->diameter_mm && far_mm(other) < far_mm(*next))) {
-        next = &other;
-      }
-    }
-    if (next == nullptr) {
-      words.push_back("the table has no thicker screw");
-      return;
-    }
-    detail::ScrewCandidate candidate = best().candidate;
+  /// Why a screw that fills little of its pedicle is no thicker: what the next one of the table would do on its way,
+  /// and what keeps it from all others. Empty of any other screw.
+  std::vector<std::string> why_thin(const Graded& one) const {
+    if (!is_thin(one.path)) return {};
+    const PedicleScrew& screw = *one.path.path.screw;
+    const PedicleScrew* next = detail::next_thicker(screws_, screw);
+    if (next == nullptr) return {"the table has no thicker screw"};
+    detail::ScrewCandidate candidate = one.candidate;
     candidate.path.screw = *next;
     candidate.path.target_mm += (next->length_mm - screw.length_mm) * candidate.path.direction();
-    const Graded thicker = grade(candidate, attempt);
-    const PathGrade& grade = thicker.path.grade;
-    const bool is_canal = grade.canal.clearance_mm < grade.outer.clearance_mm;
-    const double clearance_mm = std::min(grade.canal.clearance_mm, grade.outer.clearance_mm);
-    const std::string would = "a screw of " + short_number(next->diameter_mm) + " x " +
-                              short_number(next->length_mm, 0) + " mm on this way would ";
-    if (clearance_mm < attempt.margin_mm) {
-      const std::string wall = is_canal ? "the canal" : "the outer surface";
-      words.push_back(would + (clearance_mm < 0.0
-                                   ? "breach " + wall + " by " + short_number(-clearance_mm, 2) + " mm"
-                                   : "leave " + short_number(clearance_mm, 2) + " mm of bone at " + wall + ", and " +
-                                         short_number(attempt.margin_mm, 2) + " mm are looked for"));
-    } else if (!is_acceptable(thicker.path, attempt)) {
-      words.push_back(would +
-                      (grade.facet > 1 ? "stand in the joint" : std::string("be of grade ") + letter_of(grade.grade)));
-    } else {
-      words.push_back(would + "do too, and leave " + short_number(clearance_mm, 2) + " mm of bone around it");
+    const Graded thicker = grade(candidate, one.attempt);
+    std::vector<std::string> words{detail::thicker_on_way(
+        *next, thicker.path.grade, std::max(0.0, one.attempt.margin_mm), is_acceptable(thicker.path, one.attempt))};
+    // Those beside the pedicle go by other rules, and a last resort is not looked for by margins.
+    if (one.attempt.technique != Technique::in_out_in && one.attempt.margin_mm >= 0.0) {
+      words.push_back(detail::limits_in_words(search_.limits(one.attempt, next->diameter_mm), one.attempt));
     }
+    return words;
   }
 
   /// What the chosen one has more of than another; empty where there is nothing to tell.

@@ -78,14 +78,17 @@ struct SuggestedPath {
   Technique technique = Technique::pedicle;
   double margin_mm = 0.0;  ///< that it was looked for with
   std::size_t trajectories_tried = 0;
-  std::vector<std::string> reasons;  ///< for this one and no other, a sentence each without a full stop
+  /// For this one and no other, a sentence each without a full stop; of a screw that fills less than 60 % of its
+  /// pedicle's width also why it is no thicker.
+  std::vector<std::string> reasons;
 };
 
 /// A side's path, or why there is none.
 struct Suggestion {
   std::string side;  ///< "left" or "right", the patient's
   std::optional<SuggestedPath> best;
-  std::vector<SuggestedPath> others;  ///< the next best, for a rod; without safe zones and reasons
+  std::vector<SuggestedPath>
+      others;  ///< the next best, for a rod; without safe zones, with reasons of thin screws alone
   std::string rejection;
 };
 

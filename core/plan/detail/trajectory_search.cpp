@@ -167,7 +167,11 @@ bool TrajectorySearch::is_on_joint(const Vec3& entry_mm, const Vec3& direction, 
 }
 
 std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& trajectory, const Attempt& attempt,
-                                                           const PedicleScrew* largest) const {
+                                                           const PedicleScrew* largest, ScrewLimit* limit) const {
+  const auto none = [limit](ScrewLimit why) {
+    if (limit != nullptr) *limit = why;
+    return std::nullopt;
+  };
   const BoneShape& bone = walls_.bone();
   const Landmarks& marks = walls_.landmarks();
   const auto [crossing_mm, direction] = line_of(trajectory);
@@ -176,19 +180,24 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
   line.behind_mm = depths_until_out(bone, crossing_mm - kStepMm * direction, -kStepMm * direction);
   constexpr auto kEntryOpening = static_cast<std::ptrdiff_t>(kEntryOpeningMm / kStepMm);
   constexpr auto kThrough = static_cast<std::ptrdiff_t>(kPedicleMm / kStepMm);
-  if (std::ssize(line.behind_mm) <= kEntryOpening || std::ssize(line.ahead_mm) <= kThrough) return std::nullopt;
+  if (std::ssize(line.behind_mm) <= kEntryOpening || std::ssize(line.ahead_mm) <= kThrough) {
+    return none(ScrewLimit::pedicle);
+  }
   const double pedicle_depth_mm =
       std::min(*std::min_element(line.behind_mm.begin(), line.behind_mm.begin() + kEntryOpening),
                *std::min_element(line.ahead_mm.begin(), line.ahead_mm.begin() + kThrough));
-  const double widest_mm =
-      std::min(2.0 * (pedicle_depth_mm - attempt.margin_mm), attempt.widest_share * pedicle_.width_mm * (1.0 + 1e-9));
+  const double by_walls_mm = 2.0 * (pedicle_depth_mm - attempt.margin_mm);
+  const double widest_mm = std::min(by_walls_mm, attempt.widest_share * pedicle_.width_mm * (1.0 + 1e-9));
   const Vec3 outside_mm = crossing_mm + (line.entry_mm() - kStepMm) * direction;
   const Vec3 entry_mm = surface_between(bone, outside_mm, outside_mm + 2.0 * kStepMm * direction);
   const double entry_at_mm = (entry_mm - crossing_mm).dot(direction);
   double diameter_mm = 0.0;
+  bool is_narrow = true;
   for (const PedicleScrew& screw : screws_) {
     if (largest != nullptr && screw.diameter_mm > largest->diameter_mm) continue;
+    if (screw.diameter_mm < attempt.least_diameter_mm) continue;
     if (screw.diameter_mm > widest_mm || screw.diameter_mm <= diameter_mm) continue;
+    is_narrow = false;
     // Bone bears the whole section from the opening's end on.
     if (attempt.margin_mm >= 0.0 && !is_borne(bone, entry_mm, direction, screw.radius_mm(),
                                               opening_limit_mm(screw.radius_mm()), -entry_at_mm - kEntryOpeningMm)) {
@@ -196,7 +205,10 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
     }
     diameter_mm = screw.diameter_mm;
   }
-  if (!(diameter_mm > 0.0)) return std::nullopt;
+  if (!(diameter_mm > 0.0)) {
+    if (!is_narrow) return none(ScrewLimit::bearing);
+    return none(by_walls_mm <= widest_mm ? ScrewLimit::pedicle : ScrewLimit::share);
+  }
   const double radius_mm = 0.5 * diameter_mm;
 
   // As far ahead as bone around the screw, bone before its tip, the body's depth and the midsagittal plane allow.
@@ -224,12 +236,12 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
     if (screw == nullptr || other.length_mm > screw->length_mm) screw = &other;
   }
   // A screw that ends in the pedicle holds nothing.
-  if (screw == nullptr || entry_at_mm + screw->length_mm < kPedicleMm) return std::nullopt;
+  if (screw == nullptr || entry_at_mm + screw->length_mm < kPedicleMm) return none(ScrewLimit::length);
   if (attempt.margin_mm >= 0.0 && (is_on_joint(entry_mm, direction, radius_mm + kBesideJointMm) ||
                                    slant_deg(bone, entry_mm, direction) > kSteepestDeg)) {
-    return std::nullopt;
+    return none(ScrewLimit::entry);
   }
-  if (!is_open_behind(bone, entry_mm, direction, radius_mm)) return std::nullopt;
+  if (!is_open_behind(bone, entry_mm, direction, radius_mm)) return none(ScrewLimit::way_in);
   ScrewCandidate found;
   found.trajectory = trajectory;
   found.path = {side_ > 0.0 ? "left" : "right", entry_mm, entry_mm + screw->length_mm * direction, options_.bit,
@@ -422,6 +434,21 @@ ScrewCandidate TrajectorySearch::refined(ScrewCandidate best, const Attempt& att
       step.*of *= 0.5;
   }
   return best;
+}
+
+SearchLimits TrajectorySearch::limits(const Attempt& attempt, double diameter_mm) const {
+  SearchLimits result;
+  result.diameter_mm = diameter_mm;
+  const std::vector<Trajectory> trajectories = lattice(attempt);
+  result.tried = trajectories.size();
+  Attempt only = attempt;
+  only.least_diameter_mm = diameter_mm;
+  const PedicleScrew largest{"", diameter_mm, std::numeric_limits<double>::infinity(), 0.0};
+  std::vector<ScrewLimit> found(trajectories.size(), ScrewLimit::none);
+  tbb::parallel_for(std::size_t{0}, trajectories.size(),
+                    [&](std::size_t n) { with_screw(trajectories[n], only, &largest, &found[n]); });
+  for (const ScrewLimit limit : found) ++result.trajectories[static_cast<std::size_t>(limit)];
+  return result;
 }
 
 std::optional<ScrewCandidate> TrajectorySearch::with_smaller(const ScrewCandidate& found, const Attempt& attempt,

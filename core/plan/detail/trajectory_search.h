@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,17 @@ struct Attempt {
   Technique technique = Technique::pedicle;
   double margin_mm = 1.0;
   double widest_share = 0.8;
+  double least_diameter_mm = 0.0;  ///< of the screw
+};
+
+/// What keeps a trajectory from taking a screw, the first that is met.
+enum class ScrewLimit { none, pedicle, share, bearing, length, entry, way_in };
+
+/// Why trajectories do not take a screw of one diameter.
+struct SearchLimits {
+  double diameter_mm = 0.0;
+  std::size_t tried = 0;
+  std::array<std::size_t, 7> trajectories{};  ///< by ScrewLimit
 };
 
 /// A trajectory with the best screw for it.
@@ -44,6 +56,9 @@ class TrajectorySearch {
   std::optional<ScrewCandidate> with_smaller(const ScrewCandidate& found, const Attempt& attempt,
                                              const PedicleScrew& largest);
 
+  /// Of the lattice's trajectories, what keeps each from a screw of this diameter; of those through the pedicle.
+  SearchLimits limits(const Attempt& attempt, double diameter_mm) const;
+
   std::size_t trajectories_tried() const { return looked_at_; }
   const PedicleLandmarks& pedicle() const { return pedicle_; }
 
@@ -52,7 +67,7 @@ class TrajectorySearch {
   std::vector<Trajectory> lattice(const Attempt& attempt) const;
   Line line_of(const Trajectory& trajectory) const;
   std::optional<ScrewCandidate> with_screw(const Trajectory& trajectory, const Attempt& attempt,
-                                           const PedicleScrew* largest) const;
+                                           const PedicleScrew* largest, ScrewLimit* limit = nullptr) const;
   std::optional<ScrewCandidate> beside_pedicle(const Trajectory& trajectory, const Attempt& attempt) const;
   /// `pedicle_depth_mm`: how deep the path's axis lies below the surface, at least, on its way through the pedicle.
   double score(const DrillPath& path, double pedicle_depth_mm, const Attempt& attempt) const;

@@ -216,6 +216,33 @@ TEST_F(SuggestPaths, SayWhyAThinScrewIsNoThicker) {
   }
 }
 
+TEST_F(SuggestPaths, SayOfEachThinScrewWhatKeepsAThickerOneFromAllWays) {
+  // In a pedicle of 9 mm 4.5 mm are thin, and nothing keeps 10.5 mm in it.
+  const std::vector<PedicleScrew> thin_or_too_thick{{"", 4.5, 40.0, 4.0}, {"", 10.5, 40.0, 4.0}};
+  for (const Suggestion& suggestion : suggest_paths(walls(), hu_of_200, {}, thin_or_too_thick)) {
+    std::vector<SuggestedPath> all = suggestion.others;
+    all.push_back(suggestion.best.value());
+    for (const SuggestedPath& one : all) {
+      std::string reasons;
+      for (const std::string& reason : one.reasons) reasons += reason + "\n";
+      EXPECT_NE(reasons.find("no way of "), std::string::npos) << reasons;
+      EXPECT_NE(reasons.find(" takes one of 10.5 mm: "), std::string::npos) << reasons;
+      EXPECT_NE(reasons.find(" mm of bone around it in the pedicle"), std::string::npos) << reasons;
+      EXPECT_NE(reasons.find("on this way would breach the "), std::string::npos) << reasons;
+      EXPECT_NE(reasons.find(" mm of depth\n"), std::string::npos) << "where it is limited: " << reasons;
+    }
+  }
+}
+
+TEST_F(SuggestPaths, TakeAThickScrewThatBestWaysForThinOnesHaveNoRoomFor) {
+  // One of 6 mm fills two thirds of the pedicle; the many thin ones of the table do not crowd it out.
+  std::vector<PedicleScrew> screws{{"", 6.0, 35.0, 4.0}};
+  for (const double length_mm : {35.0, 40.0, 45.0, 50.0}) screws.push_back({"", 3.5, length_mm, 4.0});
+  for (const Suggestion& suggestion : suggest_paths(walls(), hu_of_200, {}, screws)) {
+    EXPECT_EQ(suggestion.best.value().path.screw->diameter_mm, 6.0);
+  }
+}
+
 TEST_F(SuggestPaths, RejectOptionsWithoutSense) {
   const auto rejected = [&](const auto& change) {
     SuggestOptions options;

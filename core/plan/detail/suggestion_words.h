@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/plan/detail/trajectory_search.h"
+#include "core/plan/grade.h"
+
+namespace spinaltap::detail {
+
+/// `decimals` digits after the point at most, without zeros at the end: "0.5", "4".
+std::string short_number(double value, int decimals = 1);
+
+/// Of the screws that are thicker the thinnest, and of these the one of the length that is nearest; null without one.
+const PedicleScrew* next_thicker(std::span<const PedicleScrew> screws, const PedicleScrew& screw);
+
+/// What a thicker screw would do on the same way: breach a wall or leave less bone than `margin_mm` there, with depth
+/// and side, or what else speaks against it. `is_acceptable`: nothing does.
+std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, double margin_mm, bool is_acceptable);
+
+/// Why no trajectory takes a screw of a diameter, or how many do: "no way of 3,214 takes one of 4 mm: ...".
+std::string limits_in_words(const SearchLimits& limits, const Attempt& attempt);
+
+}  // namespace spinaltap::detail
