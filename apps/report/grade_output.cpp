@@ -37,6 +37,16 @@ Json json_of(const Finding& finding, const DrillPath& path) {
           {"words", finding.words}};
 }
 
+Json json_of(const PathDoubt& doubt) {
+  const bool is_unsure = doubt.kind == PathDoubt::Kind::unsure_bone;
+  return {{"kind", is_unsure ? "unsure_bone" : "made_up_slices"},
+          {"length_mm", doubt.length_mm},
+          {"depth_mm", doubt.depth_mm},
+          {"place_mm", to_json(doubt.place_mm)},
+          {"clearance_without_mm", is_unsure ? Json(doubt.without_mm) : Json(nullptr)},
+          {"words", in_words(doubt)}};
+}
+
 Json json_of(const NeighbourContact& contact, const DrillPath& path) {
   Json json{{"depth_mm", contact.depth_mm}};
   if (!(contact.depth_mm > 0.0)) return json;
@@ -132,14 +142,40 @@ Json json_of(const PlacedGrade& placed, bool with_map) {
   return json;
 }
 
+/// Where the clearance to one of a grade's walls lies: by the CT, and where bone may be another's, without that.
+Interval band_of(const CtSurfaceError& surface, const PathGrade& grade, const Approach& wall) {
+  Interval band = surface.band(wall.clearance_mm, wall.normal);
+  if (&wall != &grade.outer) return band;
+  for (const PathDoubt& doubt : grade.doubts) {
+    if (doubt.kind == PathDoubt::Kind::unsure_bone) band.low = std::min(band.low, doubt.without_mm);
+  }
+  return band;
+}
+
+/// The wall above which least is left for sure; the nearer one where the surface is known alike at both.
+struct LeastSure {
+  const Approach* wall;
+  Interval band;
+};
+
+LeastSure least_sure(const CtSurfaceError& surface, const PathGrade& grade) {
+  const Interval outer = band_of(surface, grade, grade.outer), canal = band_of(surface, grade, grade.canal);
+  return canal.low < outer.low ? LeastSure{&grade.canal, canal} : LeastSure{&grade.outer, outer};
+}
+
 Json json_of(const CtSurfaceError& surface, const PathGrade& grade) {
-  Json json{{"standard_error_mm", surface.standard_error_mm()}, {"ct_noise_hu", surface.noise_hu},
-            {"ct_voxel_mm", to_json(surface.voxel_mm)},         {"edge_hu_per_mm", surface.edge_hu_per_mm},
-            {"noise_part_mm", surface.noise_part_mm},           {"sampling_part_mm", surface.sampling_part_mm},
+  Json json{{"standard_error_mm", surface.standard_error_mm()},
+            {"ct_noise_hu", surface.noise_hu},
+            {"ct_voxel_mm", to_json(surface.sampling.voxel_mm)},
+            {"ct_slice_thickness_mm", surface.sampling.slice_thickness_mm},
+            {"edge_hu_per_mm", surface.edge_hu_per_mm},
+            {"noise_part_mm", surface.noise_part_mm},
+            {"sampling_part_mm", surface.sampling_part_mm},
             {"curved_part_mm", surface.curved_part_mm}};
   for (const auto& [name, approach] :
        {std::pair{"outer_band_95_mm", &grade.outer}, std::pair{"canal_band_95_mm", &grade.canal}}) {
-    json[name] = std::isfinite(approach->clearance_mm) ? json_of(surface.band(approach->clearance_mm)) : Json(nullptr);
+    const Interval band = band_of(surface, grade, *approach);
+    json[name] = std::isfinite(approach->clearance_mm) ? json_of(band) : Json(nullptr);
   }
   return json;
 }
@@ -200,19 +236,20 @@ std::string errors_in_words(const PlacedGrade& placed) {
 
 bool hides_breach(const GradedPath& graded) {
   if (!graded.surface || graded.grade.breach_mm > 0.0) return false;
-  const double clearance_mm = std::min(graded.grade.canal.clearance_mm, graded.grade.outer.clearance_mm);
-  return std::isfinite(clearance_mm) && graded.surface->band(clearance_mm).low < 0.0;
+  return least_sure(*graded.surface, graded.grade).band.low < 0.0;
 }
 
 std::string surface_in_words(const GradedPath& graded) {
   const CtSurfaceError& surface = *graded.surface;
-  const bool nearer_is_canal = graded.grade.canal.clearance_mm < graded.grade.outer.clearance_mm;
-  const double clearance_mm = std::min(graded.grade.canal.clearance_mm, graded.grade.outer.clearance_mm);
+  const auto [wall, band] = least_sure(surface, graded.grade);
   std::string words = "found to " + readable_number(surface.standard_error_mm(), 2) + " mm (standard error)";
-  if (!std::isfinite(clearance_mm)) return words;
-  const Interval band = surface.band(clearance_mm);
-  return words + ": clearance to the " + (nearer_is_canal ? "canal " : "outer surface ") +
-         readable_number(clearance_mm, 2) + " mm is " + readable_number(band.low, 2) + " to " +
+  if (!std::isfinite(wall->clearance_mm)) return words;
+  const double there_mm = surface.standard_error_mm(wall->normal);
+  if (readable_number(there_mm, 2) != readable_number(surface.standard_error_mm(), 2)) {
+    words += ", to " + readable_number(there_mm, 2) + " mm where it is nearest";
+  }
+  return words + ": clearance to the " + (wall == &graded.grade.canal ? "canal " : "outer surface ") +
+         readable_number(wall->clearance_mm, 2) + " mm is " + readable_number(band.low, 2) + " to " +
          readable_number(band.high, 2) + " mm" + (hides_breach(graded) ? ": a breach may hide in the CT's error" : "");
 }
 
@@ -250,6 +287,8 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   for (const PathSide side : kPathSides) {
     json["side_breach_mm"][name_of(side)] = grade.side_breach_mm.at(static_cast<std::size_t>(side));
   }
+  json["doubts"] = Json::array();
+  for (const PathDoubt& doubt : grade.doubts) json["doubts"].push_back(json_of(doubt));
   json["findings"] = Json::array();
   for (const Finding& finding : grade.findings) json["findings"].push_back(json_of(finding, graded.path));
   json["neighbour"] = grade.neighbour ? json_of(*grade.neighbour, graded.path) : Json(nullptr);
@@ -383,8 +422,9 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
   std::string findings;
   for (const GradedPath& graded : paths) {
     const PathGrade& grade = graded.grade;
-    std::vector<std::string> cells{graded.path.name, tool_of(graded.path), std::string(1, letter_of(grade.grade)),
-                                   readable_number(grade.breach_mm, 2), breach_of(grade)};
+    const std::string letter = std::string(1, letter_of(grade.grade)) + (grade.doubts.empty() ? "" : ", but");
+    std::vector<std::string> cells{graded.path.name, tool_of(graded.path), letter, readable_number(grade.breach_mm, 2),
+                                   breach_of(grade)};
     for (const Approach& approach : {grade.outer, grade.canal}) {
       for (const std::string& cell : cells_of(approach)) cells.push_back(cell);
     }

@@ -53,7 +53,8 @@ bool hides_breach(const GradedPath& graded);
 std::string odds_in_words(const PlacedGrade& placed);
 /// "robot_726", "1.5 mm, 2 degrees and registration.json (0.61 mm at the entry, 0.93 mm at the target)".
 std::string errors_in_words(const PlacedGrade& placed);
-/// "found to 0.12 mm (standard error): clearance to the canal 1.31 mm is 1.07 to 1.55 mm", of the nearer wall.
+/// "found to 0.12 mm (standard error), to 0.09 mm where it is nearest: clearance to the canal 1.31 mm is 1.13 to 1.49
+/// mm", of the wall above which least is left for sure.
 std::string surface_in_words(const GradedPath& graded);
 
 /// Odds and map where errors are known, and how well the surface is: "placement" and "surface". Without the map only
@@ -64,7 +65,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
 /// The rows of all paths, with a head line; units are in the names of the columns. What is not finite is empty.
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
 /// For a terminal: a line of each path on its walls, on scales and instrument, and on its bone; then what was found, a
-/// line each.
+/// line each. "A, but": a warning below says what the grade leans on.
 std::string grades_table(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
 
 }  // namespace spinaltap

@@ -55,7 +55,7 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
   std::vector<ReportRow> rows{{"Tool", tool_of(graded.path), ""},
                               {"Length, entry to target", readable_number(graded.path.length_mm(), 1), "mm"},
                               {"Pedicle", grade.is_left ? "left" : "right", ""},
-                              {"Gertzbein-Robbins", meaning_of(grade.grade), ""},
+                              {"Gertzbein-Robbins", meaning_of(grade), ""},
                               {"Breach", readable_number(grade.breach_mm, 2), "mm"}};
   if (grade.breach_mm > 0.0) {
     rows.push_back({"Breach into", breach_of(grade), ""});
@@ -121,6 +121,8 @@ std::string meaning_of(Grade grade) {
   }
   return "E: breach of 6 mm or more";
 }
+
+std::string meaning_of(const PathGrade& grade) { return meaning_of(grade.grade) + grade_in_words(grade).substr(1); }
 
 Plot clearance_plot(const GradedPath& graded) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -14,6 +14,8 @@ namespace spinaltap {
 
 /// "B: breach below 2 mm".
 std::string meaning_of(Grade grade);
+/// The same with what the grade leans on: "A: no breach, but 3.2 mm of it lie in slices that were made up".
+std::string meaning_of(const PathGrade& grade);
 
 /// Along the depth of a graded path: clearances to both walls, the mean CT number, the shares of bone in bands of CT
 /// numbers, and the predicted thrust.

@@ -133,8 +133,9 @@ class Sheets {
       made.heading += ", " + graded.path.name;
     }
     made.badge = std::string(1, letter_of(grade.grade));
-    made.is_good = !(grade.breach_mm > 0.0);
-    made.verdict = "Gertzbein-Robbins: " + meaning_of(grade.grade).substr(3);
+    if (!grade.doubts.empty()) made.badge += ", but";
+    made.is_good = !(grade.breach_mm > 0.0) && grade.doubts.empty();
+    made.verdict = "Gertzbein-Robbins: " + meaning_of(grade).substr(3);
     if (grade.breach_mm > 0.0) {
       made.verdict += ", " + readable_number(grade.breach_mm, 2) + " mm into " + breach_of(grade) + ", " +
                       readable_number(grade.breach_depth_mm, 1) + " mm deep";

@@ -200,7 +200,7 @@ void print_suggestion(const Suggestion& suggestion) {
   }
   const SuggestedPath& best = *suggestion.best;
   print_figure(suggestion.side + " screw", best.path.screw->name);
-  print_figure(suggestion.side + " grade", std::string(1, letter_of(best.grade.grade)));
+  print_figure(suggestion.side + " grade", grade_in_words(best.grade));
   print_figure(suggestion.side + " technique", name_of(best.technique));
   for (const std::string& reason : best.reasons) print_figure(suggestion.side + " because", reason);
   for (const Finding& finding : best.grade.findings) {

@@ -34,6 +34,18 @@ std::optional<double> parse_number(std::string_view text) {
   return number;
 }
 
+std::optional<std::vector<double>> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const std::string_view field = text.substr(0, text.find_first_of(" \t"));
+    const std::optional<double> number = parse_number(field);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    text.remove_prefix(field.size());
+  }
+  return numbers;
+}
+
 void append_number(double number, std::string& text) {
   std::array<char, 32> digits{};
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);

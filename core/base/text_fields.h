@@ -4,12 +4,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace spinaltap {
 
 /// The number that the whole of `text` is, whatever the locale; nothing when it is none, or beyond a double's range.
 /// Blanks around it and a plus sign are let pass. "nan" and "inf" are numbers here.
 std::optional<double> parse_number(std::string_view text);
+
+/// Those of a text that is numbers with blanks between, no more; nothing where one is none.
+std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
 /// The shortest text that gives `number` back exactly, appended to `text`.
 void append_number(double number, std::string& text);

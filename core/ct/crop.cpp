@@ -97,6 +97,7 @@ CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   cropped.hu_change = ct.hu_change;
   cropped.choices = ct.choices;
   cropped.frame_hash = ct.frame_hash;
+  cropped.slice_thickness_mm = ct.slice_thickness_mm;
   return cropped;
 }
 

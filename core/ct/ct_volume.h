@@ -35,6 +35,8 @@ struct CtVolume {
   std::map<std::string, std::string> choices{};
   /// Of a DICOM CT a hash of its FrameOfReferenceUID, for maps that name theirs; empty where it has none or several.
   std::string frame_hash{};
+  /// How thick its slices are, as its header says, mm: more than their step where they overlap. 0: not said.
+  double slice_thickness_mm = 0.0;
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

@@ -14,6 +14,7 @@
 #include "core/ct/detail/dicom_witnesses.h"
 #include "core/ct/hu_check.h"
 #include "core/ct/label_frame.h"
+#include "core/ct/made_up_slices.h"
 
 namespace spinaltap {
 namespace {
@@ -84,6 +85,18 @@ ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::st
   return std::move(matches.front());
 }
 
+/// As the files say; 0 where none says one that a scanner has.
+double thickest_mm(const std::vector<DicomHeader>& slices) {
+  constexpr double kThickestMm = 10.0;
+  double thickest_mm = 0.0;
+  for (const DicomHeader& slice : slices) {
+    if (slice.slice_thickness_mm.size() != 1 || !std::isfinite(slice.slice_thickness_mm.front())) continue;
+    const double mm = slice.slice_thickness_mm.front();
+    if (mm <= kThickestMm) thickest_mm = std::max(thickest_mm, mm);
+  }
+  return thickest_mm;
+}
+
 }  // namespace
 
 std::string plane_name(const Vec3& normal) {
@@ -114,6 +127,8 @@ CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& o
   CtVolume ct = !stack.needs_resampling
                     ? make_ct_volume(stack.geometry, std::move(hu))
                     : resample_stack(stack.geometry, stack.places, stack.geometry.spacing_mm.z(), hu, progress);
+  ct.slice_thickness_mm = thickest_mm(stack.slices);
+  if (options.resample) add_made_up({stack.geometry.directions.col(2), made_up_slabs(stack)}, ct.choices);
   ct.warnings = std::move(series.info.warnings);
   for (std::string& line : disagreements_of(stack.slices)) ct.warnings.push_back(std::move(line));
   for (std::string& line : contradictions_of(stack)) ct.warnings.push_back(std::move(line));

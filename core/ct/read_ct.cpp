@@ -132,6 +132,7 @@ CtVolume changed(CtVolume ct, const HuChange& change) {
   made.notes = std::move(ct.notes);
   made.choices = std::move(ct.choices);
   made.hu_change = change;
+  made.slice_thickness_mm = ct.slice_thickness_mm;
   return made;
 }
 

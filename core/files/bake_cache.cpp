@@ -1,6 +1,7 @@
 #include "core/files/bake_cache.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -70,6 +71,8 @@ std::optional<MaskStage> BakeCache::find_mask(const std::string& key, const Grid
     if (const Json& warnings = json.at("warnings"); !warnings.is_null()) {
       stage.warnings =
           LevelWarnings{warnings.at("warnings").get<std::vector<std::string>>(), warnings.at("severity").get<double>()};
+      const auto unsure_mm = warnings.at("unsure_mm").get<std::vector<std::array<double, 3>>>();
+      for (const auto& [x, y, z] : unsure_mm) stage.warnings->unsure_mm.emplace_back(x, y, z);
     }
     stage.mask = read_label_map(file("mask", key, ".nrrd"), 1, geometry);
     note_found(file("mask", key, ".json"));
@@ -83,8 +86,11 @@ void BakeCache::keep_mask(const std::string& key, const MaskStage& stage) const 
   const fs::path map = file("mask", key, ".nrrd");
   output.write(map, encode_label_map(stage.mask, 1, map));
   Json json{{"method", stage.method}, {"level", level_name(stage.level)}, {"warnings", nullptr}};
-  if (stage.warnings)
+  if (stage.warnings) {
     json["warnings"] = {{"warnings", stage.warnings->warnings}, {"severity", stage.warnings->severity}};
+    Json& unsure_mm = json["warnings"]["unsure_mm"] = Json::array();
+    for (const Vec3& p_mm : stage.warnings->unsure_mm) unsure_mm.push_back(to_json(p_mm));
+  }
   output.write(file("mask", key, ".json"), json.dump(2) + "\n");
   output.commit();
 }

@@ -59,6 +59,7 @@ Json to_json(const Suggestion& suggestion) {
   }
   return {{"side", suggestion.side},
           {"grade", std::string(1, letter_of(best.grade.grade))},
+          {"grade_in_words", grade_in_words(best.grade)},
           {"breach_mm", best.grade.breach_mm},
           {"warnings", warnings},
           {"entry_mm", to_json(best.path.entry_mm)},

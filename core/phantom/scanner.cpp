@@ -251,7 +251,9 @@ CtVolume scan_in(const Solid& solid, const Surroundings* surroundings, const Sca
       done.add();
     });
   }
-  return make_ct_volume(geometry, std::move(hu));
+  CtVolume ct = make_ct_volume(geometry, std::move(hu));
+  ct.slice_thickness_mm = options.slice_width_mm;
+  return ct;
 }
 
 }  // namespace

@@ -254,8 +254,9 @@ void sharpen_clearances(const WallDistance& walls, const GradedTool& tool, Walk&
   }
 }
 
-Approach nearest_of(Approach so_far, double clearance_mm, double depth_mm, PathSide side) {
-  return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side} : so_far;
+Approach nearest_of(const Approach& so_far, double clearance_mm, double depth_mm, PathSide side,
+                    const WallDistance::Wall& wall) {
+  return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side, wall.normal} : so_far;
 }
 
 std::string tenths(double value) { return fixed_text(value, 1); }
@@ -266,7 +267,7 @@ void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNam
   const auto agree = [&](Approach& approach, const FoundBreach& breach, const char* wall) {
     if (breach.breach_mm > 0.0) {
       if (-breach.breach_mm < approach.clearance_mm) {
-        approach = {-breach.breach_mm, breach.depth_mm, sides.of(breach.place_mm, breach.wall)};
+        approach = {-breach.breach_mm, breach.depth_mm, sides.of(breach.place_mm, breach.wall), breach.wall.normal};
       }
       return;
     }
@@ -431,8 +432,9 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
     row.thrust_n = sections.resistance(n).thrust_n(feed_mm);
     row.thrust_band_n = band.thrust_n(row.thrust_n);
     graded.max_thrust_n = std::max(graded.max_thrust_n, row.thrust_n);
-    if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);
-    graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side);
+    const auto& [outer, canal] = walk.axis[n];
+    if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side, outer);
+    graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side, canal);
   }
   graded.max_thrust_band_n = band.thrust_n(graded.max_thrust_n);
   graded.hu = sections.mean_hu();
@@ -451,14 +453,6 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   std::stable_partition(graded.findings.begin(), graded.findings.end(),
                         [](const Finding& finding) { return finding.is_warning; });
   return graded;
-}
-
-void note_neighbours(std::span<const Neighbour> neighbours, const DrillPath& path, PathGrade& grade) {
-  grade.neighbour = neighbour_contact(neighbours, path);
-  if (!(grade.neighbour->depth_mm > kTouchMm)) return;
-  const auto first_note = std::find_if(grade.findings.begin(), grade.findings.end(),
-                                       [](const Finding& finding) { return !finding.is_warning; });
-  grade.findings.insert(first_note, finding_of(*grade.neighbour, path));
 }
 
 double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {

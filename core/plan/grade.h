@@ -10,6 +10,7 @@
 #include "core/force/drill_forces.h"
 #include "core/plan/instrument.h"
 #include "core/plan/neighbour_contact.h"
+#include "core/plan/path_doubt.h"
 #include "core/plan/path_side.h"
 #include "core/plan/screw_hold.h"
 #include "core/plan/wall_distance.h"
@@ -72,6 +73,7 @@ struct Approach {
   double clearance_mm = std::numeric_limits<double>::infinity();
   double depth_mm = 0.0;
   PathSide side = PathSide::medial;
+  Vec3 normal = Vec3::Zero();  ///< of the wall there: unit, out of the bone, patient LPS; zero where none is near
 };
 
 struct PathGrade {
@@ -90,6 +92,8 @@ struct PathGrade {
   std::vector<Finding> findings;  ///< of it, of the entry, of the breach and of neighbours, warnings first
   /// With other vertebrae, where they are known: grade_path() knows of none, note_neighbours() adds it.
   std::optional<NeighbourContact> neighbour = {};
+  /// What of the bone it leans on that may not be so: grade_path() knows of none, note_doubts() adds it.
+  std::vector<PathDoubt> doubts = {};
   bool is_left = true;           ///< graded as a path through the left pedicle, the nearer one
   double opening_end_mm = 0.0;   ///< depth from which on whatever stands out of the bone is a breach
   double bearing_mm = 0.0;       ///< depth from which on bone bears the whole section; infinite where it never does
@@ -110,6 +114,12 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
 
 /// Adds to the grade of `path` what it meets of other vertebrae, with a finding where that is over kTouchMm.
 void note_neighbours(std::span<const Neighbour> neighbours, const DrillPath& path, PathGrade& grade);
+
+/// Adds to the grade of `path` what it leans on, with a finding for each, a warning.
+void note_doubts(const DoubtfulBone& bone, const DrillPath& path, PathGrade& grade);
+
+/// "A", or "A, but 3.2 mm of it lie in slices that were made up": the letter with the doubts that take it its worth.
+std::string grade_in_words(const PathGrade& grade);
 
 /// Only grade_path()'s entry_end_mm, for the path's screw or, where it has none, its bit. The path's length where the
 /// outer surface never counts.

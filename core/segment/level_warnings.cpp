@@ -285,7 +285,10 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
     const double side = side_of(p, canal);
     all += 1.0;
     if (side > 0.0) left += 1.0;
-    if (cut.depth_mm[voxel] <= 0.0F && cut.probability[voxel] < 0.65F) unsure += 1.0;
+    if (cut.depth_mm[voxel] <= 0.0F && cut.probability[voxel] < 0.65F) {
+      unsure += 1.0;
+      figures.unsure_mm.push_back(body.centre_mm + body.axes() * p);
+    }
     figures.left_reach_mm = std::max(figures.left_reach_mm, side);
     figures.right_reach_mm = std::max(figures.right_reach_mm, -side);
     figures.behind_canal_mm = std::max(figures.behind_canal_mm, p.y() - canal.y());

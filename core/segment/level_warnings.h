@@ -51,6 +51,7 @@ struct LevelFigures {
   double lopsided_mm3 = 0.0;                ///< the largest piece that has no like on the other side
   Vec3 lopsided_at_mm = Vec3::Zero();       ///< its middle, patient LPS
   double unsure_share = 0.0;                ///< of its bone, where the walker hardly preferred it
+  std::vector<Vec3> unsure_mm{};            ///< the voxels of the work that it counts, patient LPS
   double side_sharpness = 1.0;  ///< the least of both sides', see SideBone; small where a rib may have stayed on
   bool is_cut_behind = false;   ///< it reaches the CT's border behind the canal
   bool is_cut_left = false;     ///< and to the left of its body

@@ -1,6 +1,9 @@
 #include "core/segment/warning_metadata.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -11,6 +14,21 @@ namespace spinaltap {
 namespace {
 
 constexpr const char* kInputWarnings = "input_warnings";
+constexpr const char* kUnsure = "unsure_mm";
+
+/// Few enough places for a bone's metadata.
+std::string cells_text(std::span<const Vec3> places_mm) {
+  constexpr double kCellMm = 2.0;
+  std::set<std::array<long, 3>> taken;
+  TextWriter text;
+  for (const Vec3& p_mm : places_mm) {
+    const Vec3 cell = (p_mm / kCellMm).array().floor();
+    if (!taken.insert({std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())}).second) continue;
+    text << (taken.size() == 1 ? "" : " ") << fixed_text(p_mm.x(), 1) << ' ' << fixed_text(p_mm.y(), 1) << ' '
+         << fixed_text(p_mm.z(), 1);
+  }
+  return text.str();
+}
 
 std::string joined_lines(std::span<const std::string> lines) {
   std::string text;
@@ -32,6 +50,7 @@ std::vector<std::string> lines_in(const std::map<std::string, std::string>& meta
 LevelWarnings warnings_of(const LevelReport& report) {
   LevelWarnings warnings;
   warnings.severity = report.severity;
+  warnings.unsure_mm = report.figures.unsure_mm;
   for (const LevelWarning& warning : report.warnings) warnings.warnings.push_back(warning.text);
   if (report.name_source == NameSource::hint) {
     warnings.warnings.push_back("its name is a hint from the sacrum, the ribs and the bodies' sizes: check it (" +
@@ -43,6 +62,7 @@ LevelWarnings warnings_of(const LevelReport& report) {
 void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata) {
   metadata["severity"] = short_text(warnings.severity);
   if (!warnings.warnings.empty()) metadata["warnings"] = joined_lines(warnings.warnings);
+  if (!warnings.unsure_mm.empty()) metadata[kUnsure] = cells_text(warnings.unsure_mm);
 }
 
 std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string>& metadata) {
@@ -53,6 +73,15 @@ std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string
   if (!number) fail("expected a number as the metadata \"severity\", found ", in_quotes(severity->second));
   warnings.severity = *number;
   warnings.warnings = lines_in(metadata, "warnings");
+  if (const auto unsure = metadata.find(kUnsure); unsure != metadata.end()) {
+    const std::optional<std::vector<double>> numbers = parse_numbers(unsure->second);
+    if (!numbers || numbers->size() % 3 != 0) {
+      fail("expected places as the metadata ", in_quotes(kUnsure), ", found ", in_quotes(unsure->second));
+    }
+    for (std::size_t n = 0; n < numbers->size(); n += 3) {
+      warnings.unsure_mm.emplace_back((*numbers)[n], (*numbers)[n + 1], (*numbers)[n + 2]);
+    }
+  }
   return warnings;
 }
 

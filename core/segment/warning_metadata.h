@@ -14,6 +14,7 @@ namespace spinaltap {
 struct LevelWarnings {
   std::vector<std::string> warnings;  ///< one line each
   double severity = 0.0;              ///< 0: none, to 1: likely wrong
+  std::vector<Vec3> unsure_mm{};      ///< bone of which it is unsure whose it is: LevelFigures::unsure_mm
 
   bool is_suspect() const { return severity >= kSuspect; }
   bool operator==(const LevelWarnings&) const = default;
@@ -22,8 +23,8 @@ struct LevelWarnings {
 /// The warnings of a vertebra that was found, in words, and one where its name is but a hint.
 LevelWarnings warnings_of(const LevelReport& report);
 
-/// As the metadata "severity" and "warnings" (a line each) of a bone, and back; nothing where there are no such
-/// metadata.
+/// As the metadata "severity", "warnings" (a line each) and "unsure_mm" (x y z of the first place in each cell of 2 mm,
+/// to 0.1 mm) of a bone, and back; nothing where there are no such metadata.
 void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata);
 std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string>& metadata);
 

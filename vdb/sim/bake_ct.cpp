@@ -114,8 +114,8 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"ct_size", joined(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
       {kCtSpacing, joined(geometry.spacing_mm.transpose())},
       {"ct_origin_mm", joined(geometry.origin_mm.transpose())},
-      {"ct_directions", joined(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
-                               geometry.directions.col(2).transpose())},
+      {kCtDirections, joined(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
+                             geometry.directions.col(2).transpose())},
       {"mask", mask.method},
       {"surface_points", joined(fit.points)},
       {"off_surface_points", joined(fit.off_surface_points)},
@@ -131,6 +131,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"hu_margin_mm", joined(options.bake.hu_margin_mm)},
   };
   if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
+  if (ct.slice_thickness_mm > 0.0) metadata[kCtSliceThickness] = joined(ct.slice_thickness_mm);
   metadata[kWholeCtHash] = ct.whole_hash;
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (!mask.level_source.empty()) metadata["level_source"] = mask.level_source;

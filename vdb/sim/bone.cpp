@@ -172,6 +172,10 @@ const std::vector<Bone>& Bone::neighbours() const {
   return state_->neighbours;
 }
 
+DoubtfulBone Bone::doubtful() const {
+  return {made_up_in(model().metadata()), warnings().value_or(LevelWarnings{}).unsure_mm};
+}
+
 std::optional<CtSurfaceError> Bone::surface_error() const {
   std::call_once(state_->has_surface_error, [&] { state_->surface_error = bone_surface_error(model(), shape()); });
   return state_->surface_error;
@@ -182,9 +186,14 @@ std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Prog
   AutoPlanOptions settings = options;
   if (settings.level == Level::kNone) settings.level = level();
   std::vector<Suggestion> suggestions = auto_plan(walls(progress), hu_sampler(), settings, progress);
+  const DoubtfulBone of_bone = doubtful();
+  const auto finish = [&](SuggestedPath& one) {
+    note_doubts(of_bone, one.path, one.grade);
+    one.path.bone = identity();
+  };
   for (Suggestion& suggestion : suggestions) {
-    if (suggestion.best) suggestion.best->path.bone = identity();
-    for (SuggestedPath& other : suggestion.others) other.path.bone = identity();
+    if (suggestion.best) finish(*suggestion.best);
+    for (SuggestedPath& other : suggestion.others) finish(other);
   }
   return suggestions;
 }
@@ -206,6 +215,7 @@ PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& opt
   bone.landmarks(progress);
   PathGrade graded = grade_path(bone.walls(progress), bone.hu_sampler(), material, path, options);
   if (!bone.neighbours().empty()) note_neighbours(neighbours_among(bone.neighbours(), progress), path, graded);
+  note_doubts(bone.doubtful(), path, graded);
   return graded;
 }
 

@@ -88,6 +88,10 @@ class Bone {
   /// asked for; none of any other bone. Throws Error as load() does.
   const std::vector<Bone>& neighbours() const;
 
+  /// Where it is open whether there is bone, or whose it is: slices that were made up, and what its segmentation was
+  /// unsure of.
+  DoubtfulBone doubtful() const;
+
   /// How well the CT that it was baked from shows its surface; nothing where the CT's noise is not known.
   std::optional<CtSurfaceError> surface_error() const;
 
@@ -106,7 +110,8 @@ ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity&
 /// As what instruments may meet. The bones must outlive it.
 std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progress& progress = {});
 
-/// How safe a path is; see grade_path(), and of bone.neighbours() note_neighbours(). Throws Error without landmarks.
+/// How safe a path is; see grade_path(), of bone.neighbours() note_neighbours(), and of bone.doubtful() note_doubts().
+/// Throws Error without landmarks.
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options = {},
                 const Material& material = {}, const Progress& progress = {});
 

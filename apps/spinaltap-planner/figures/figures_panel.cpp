@@ -147,9 +147,10 @@ void FiguresPanel::show_figures(const PathFigures* figures, const std::vector<do
     const PathGrade& grade = figures->graded.grade;
     if (figures->is_graded) {
       // A good grade of a surface that may be wrong is not green.
-      QString text = text_of(meaning_of(grade.grade));
-      const bool leans_on_doubt = grade.grade <= Grade::B && !figures->doubt.empty();
-      if (leans_on_doubt) text += tr(", but %1 may be wrong: see below").arg(text_of(figures->doubt));
+      QString text = text_of(meaning_of(grade));
+      const bool leans_on_doubt = grade.grade <= Grade::B && (!figures->doubt.empty() || !grade.doubts.empty());
+      if (leans_on_doubt && !figures->doubt.empty())
+        text += tr(", but %1 may be wrong: see below").arg(text_of(figures->doubt));
       grade_->setText(QString("<b style='font-size:large;color:%1'>%2</b>")
                           .arg(leans_on_doubt ? kCaution : colour_of(grade.grade), text.toHtmlEscaped()));
       walls_->setText(walls_text(grade, hu_bands) + instrument_text(grade));

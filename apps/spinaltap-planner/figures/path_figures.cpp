@@ -76,6 +76,8 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
     check_path_meets_bone(path, bone.model());
     figures.graded.grade = grade_path(bone.bone->walls(), bone.bone->hu_sampler(), material_, path, options_);
     if (!bone.neighbours.empty()) note_neighbours(bone.neighbours, path, figures.graded.grade);
+    note_doubts(bone.bone->doubtful(), path, figures.graded.grade);
+    figures.graded.surface = bone.bone->surface_error();
     figures.is_graded = true;
   } catch (const Error& error) {
     figures.warnings.push_back({WarningLevel::danger, error.what()});
@@ -91,6 +93,10 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   add_breach("the outer surface", grade.outer, margin_mm_, warnings);
   if (path.screw) add_length(path.screw->length_mm - path.length_mm(), warnings);
   add_findings(grade, warnings);
+  if (figures.graded.surface) {
+    warnings.push_back({hides_breach(figures.graded) ? WarningLevel::caution : WarningLevel::note,
+                        "the surface is " + surface_in_words(figures.graded)});
+  }
   if (!may_be_same(path.bone, bone.bone->identity())) {
     warnings.push_back({WarningLevel::danger,
                         "planned for " + words_of(path.bone) + ": this bone is " + words_of(bone.bone->identity())});

@@ -264,6 +264,19 @@ DicomStack stack_slices(std::vector<DicomHeader> headers, bool resample) {
   return stack;
 }
 
+std::vector<Interval> made_up_slabs(const DicomStack& stack) {
+  constexpr double kGap = 1.5;  // of a step: unequal steps below it leave no room for a slice
+  const double step_mm = stack.geometry.spacing_mm.z();
+  const double first_mm = stack.geometry.directions.col(2).dot(stack.geometry.origin_mm);
+  std::vector<Interval> slabs_mm;
+  for (std::size_t k = 1; k < stack.places.size(); ++k) {
+    const double from_mm = stack.places[k - 1].along_mm, to_mm = stack.places[k].along_mm;
+    if (to_mm - from_mm < kGap * step_mm) continue;
+    slabs_mm.push_back({first_mm + from_mm + 0.5 * step_mm, first_mm + to_mm - 0.5 * step_mm});
+  }
+  return slabs_mm;
+}
+
 StackLayout measure_stack(const std::vector<DicomHeader>& slices) {
   if (slices.empty()) fail("expected at least two slices, found 0");
   StackLayout layout;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/statistics.h"
 #include "core/ct/detail/dicom_header.h"
 #include "core/ct/detail/slice_stack.h"
 #include "core/ct/dicom_read.h"
@@ -24,6 +25,10 @@ struct DicomStack {
 /// gantry) are to be resampled; with `resample` also unequal steps, gaps of at most 6 mm, and uneven drift.
 /// Throws Error on fewer than two slices, a doubled slice, what is left of the above, and values out of range.
 DicomStack stack_slices(std::vector<DicomHeader> slices, bool resample = false);
+
+/// Along the slices' normal, patient LPS, mm: slabs of a resampled stack that none of its slices shows, a step less
+/// than each gap of over one and a half steps.
+std::vector<Interval> made_up_slabs(const DicomStack& stack);
 
 /// Throws Error where positions or orientation are missing, or there are fewer than two slices.
 StackLayout measure_stack(const std::vector<DicomHeader>& slices);

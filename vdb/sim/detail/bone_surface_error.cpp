@@ -1,7 +1,6 @@
 #include "vdb/sim/detail/bone_surface_error.h"
 
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
 #include "core/base/text_fields.h"
@@ -11,15 +10,22 @@ namespace {
 
 std::optional<std::vector<double>> numbers_in(const BoneModel& bone, const char* key) {
   const auto found = bone.metadata().find(key);
-  if (found == bone.metadata().end()) return std::nullopt;
-  std::vector<double> numbers;
-  std::istringstream fields(found->second);
-  for (std::string field; fields >> field;) {
-    const std::optional<double> number = parse_number(field);
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
+  return found == bone.metadata().end() ? std::nullopt : parse_numbers(found->second);
+}
+
+/// Nothing where a bone does not say what its CT's voxels are. Bones of earlier versions know no thickness of slices.
+std::optional<CtSampling> sampling_in(const BoneModel& bone) {
+  const auto voxel_mm = numbers_in(bone, kCtSpacing);
+  if (!voxel_mm || voxel_mm->size() != 3) return std::nullopt;
+  CtSampling sampling;
+  sampling.voxel_mm = Vec3((*voxel_mm)[0], (*voxel_mm)[1], (*voxel_mm)[2]);
+  if (const auto axes = numbers_in(bone, kCtDirections); axes && axes->size() == 9) {
+    sampling.directions = Eigen::Map<const Mat3>(axes->data());  // a column after the other
   }
-  return numbers;
+  if (const auto thick_mm = numbers_in(bone, kCtSliceThickness); thick_mm && thick_mm->size() == 1) {
+    sampling.slice_thickness_mm = std::max(0.0, thick_mm->front());
+  }
+  return sampling;
 }
 
 }  // namespace
@@ -27,8 +33,8 @@ std::optional<std::vector<double>> numbers_in(const BoneModel& bone, const char*
 std::optional<CtSurfaceError> bone_surface_error(const BoneModel& bone, const BoneShape& shape) {
   constexpr std::size_t kPlaces = 20000;
   const auto noise_hu = numbers_in(bone, kCtNoise);
-  const auto voxel_mm = numbers_in(bone, kCtSpacing);
-  if (!noise_hu || noise_hu->size() != 1 || !voxel_mm || voxel_mm->size() != 3) return std::nullopt;
+  const std::optional<CtSampling> sampling = sampling_in(bone);
+  if (!noise_hu || noise_hu->size() != 1 || !sampling) return std::nullopt;
   const std::size_t step = std::max<std::size_t>(1, shape.points_mm().size() / kPlaces);
   std::vector<Vec3> places_mm, normals;
   for (std::size_t n = 0; n < shape.points_mm().size(); n += step) {
@@ -43,7 +49,7 @@ std::optional<CtSurfaceError> bone_surface_error(const BoneModel& bone, const Bo
   for (std::size_t n = 0; n < places_mm.size(); ++n) slopes.push_back(-gradients[n].dot(normals[n]));
   std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2), slopes.end());
   if (!(slopes[slopes.size() / 2] > 0.0) || !(noise_hu->front() >= 0.0)) return std::nullopt;
-  return ct_surface_error(noise_hu->front(), Vec3((*voxel_mm)[0], (*voxel_mm)[1], (*voxel_mm)[2]), slopes);
+  return ct_surface_error(noise_hu->front(), *sampling, slopes, normals);
 }
 
 }  // namespace spinaltap

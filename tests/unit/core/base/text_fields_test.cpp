@@ -10,6 +10,13 @@
 namespace spinaltap {
 namespace {
 
+TEST(ParseNumbers, TakesNumbersWithBlanksBetweenAndNothingElse) {
+  EXPECT_EQ(parse_numbers(" 1 -2.5\t3e2 "), (std::vector<double>{1.0, -2.5, 300.0}));
+  EXPECT_EQ(parse_numbers(""), std::vector<double>());
+  EXPECT_FALSE(parse_numbers("1 2,5"));
+  EXPECT_FALSE(parse_numbers("1 two"));
+}
+
 TEST(NumberText, IsANumberAsAWholeOrNotAtAll) {
   EXPECT_EQ(parse_number("1.5"), 1.5);
   EXPECT_EQ(parse_number(" \t+2e-3 "), 0.002);

@@ -105,6 +105,18 @@ TEST(StackSlices, InterpolatesUnequalStepsAndGapsOnlyWhereAskedTo) {
   EXPECT_THAT(error_of([&] { stack_slices(slices_at({0, 1, 1, 2}), true); }), HasSubstr("two"));
 }
 
+TEST(StackSlices, TellsWhatNoSliceOfAGapShows) {
+  // Slices stand for half a step to each side: of a gap of 2.5 mm they leave 1.5 mm, of unequal steps nothing.
+  DicomStack stack = stack_slices(slices_at({10, 11, 12, 14.5, 15.5, 16.7, 17.7, 18.7}), true);
+  ASSERT_EQ(stack.geometry.spacing_mm.z(), 1.0);
+  const double base_mm = stack.geometry.directions.col(2).dot(stack.geometry.origin_mm);
+  std::vector<Interval> slabs_mm = made_up_slabs(stack);
+  ASSERT_EQ(slabs_mm.size(), 1U);
+  EXPECT_NEAR(slabs_mm[0].low, base_mm + 2.5, 1e-9);
+  EXPECT_NEAR(slabs_mm[0].high, base_mm + 4.0, 1e-9);
+  EXPECT_TRUE(made_up_slabs(stack_slices(slices_at({0, 1, 2, 3}), true)).empty());
+}
+
 TEST(StackSlices, NamesASliceShiftedSideways) {
   EXPECT_THAT(error_with([](std::vector<DicomHeader>& slices) { slices[2].position_mm[0] += 0.2; }),
               AllOf(HasSubstr("sideways by 0.2 mm"), HasSubstr("c.dcm")));

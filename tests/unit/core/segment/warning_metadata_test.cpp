@@ -34,6 +34,18 @@ TEST(LevelWarnings, ComeBackOutOfABonesMetadata) {
   EXPECT_THROW(warnings_in(metadata), Error);
 }
 
+TEST(LevelWarnings, KeepFewOfThePlacesOfWhichTheWalkerIsUnsure) {
+  LevelReport report;
+  report.figures.unsure_mm = {Vec3(1.0, 1.0, 1.0), Vec3(1.8, 1.0, 1.0), Vec3(-0.26, 1.0, 1.0), Vec3(1.0, 1.0, -639.04)};
+  std::map<std::string, std::string> metadata;
+  add_warnings(warnings_of(report), metadata);
+  // One of each cell of 2 mm, to 0.1 mm.
+  EXPECT_EQ(warnings_in(metadata)->unsure_mm,
+            (std::vector<Vec3>{Vec3(1.0, 1.0, 1.0), Vec3(-0.3, 1.0, 1.0), Vec3(1.0, 1.0, -639.0)}));
+  metadata["unsure_mm"] = "1 2";
+  EXPECT_THROW(warnings_in(metadata), Error);
+}
+
 TEST(InputWarnings, ComeBackOutOfABonesMetadataEachOnce) {
   std::map<std::string, std::string> metadata;
   add_input_warnings({}, metadata);

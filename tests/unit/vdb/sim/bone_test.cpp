@@ -14,6 +14,7 @@
 #include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_kind.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 namespace {
@@ -38,6 +39,34 @@ TEST(Bone, HasTheBallsDistancesNumbersNormalsAndSurface) {
   const MeshQuality mesh = measure_mesh(bone.surface());
   EXPECT_TRUE(mesh.closed());
   EXPECT_NEAR(mesh.volume_mm3, kPlainBall.volume_mm3(), 0.01 * kPlainBall.volume_mm3());
+}
+
+TEST(Bone, GradesNoPathThroughMadeUpSlicesOrAnothersBoneAsPlainA) {
+  const Vertebra vertebra;
+  const PedicleGroundTruth pedicle = vertebra_ground_truth(vertebra).left;
+  DrillPath path{"left", pedicle.entry_mm, pedicle.target_mm, {}};
+  path.screw = PedicleScrew{"", 5.0, path.length_mm(), 4.0};
+  const auto graded = [&](const std::map<std::string, std::string>& metadata) {
+    const Bone bone(bake_solid(vertebra, {.voxel_mm = 1.0}, 60.0, {}, metadata));
+    return grade(bone, path);
+  };
+  EXPECT_EQ(grade_in_words(graded({})), "A");
+  std::map<std::string, std::string> filled;
+  const double z_mm = pedicle.isthmus_mm.z();
+  add_made_up({Vec3::UnitZ(), {{z_mm - 0.5, z_mm + 0.5}}}, filled);
+  const PathGrade in_gap = graded(filled);
+  EXPECT_EQ(in_gap.grade, Grade::A);
+  EXPECT_TRUE(grade_in_words(in_gap).starts_with("A, but ")) << grade_in_words(in_gap);
+  EXPECT_TRUE(in_gap.findings.at(0).is_warning);
+  std::map<std::string, std::string> unsure;
+  add_warnings({{"no gap shows"}, 0.1, {pedicle.entry_mm}}, unsure);
+  EXPECT_TRUE(grade_in_words(graded(unsure)).ends_with("run in bone that may be another's"));
+  // The planner's and the program's suggestions say it too.
+  for (const auto& metadata : {filled, unsure}) {
+    const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 60.0, {}, metadata));
+    const SuggestedPath& left = bone.suggest()[0].best.value();
+    EXPECT_EQ(grade_in_words(left.grade) == "A", path_doubts(bone.doubtful(), left.path).empty());
+  }
 }
 
 TEST(Bone, HoldsAScrewInsideItAsTheClosedFormSays) {
