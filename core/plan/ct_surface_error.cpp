@@ -21,7 +21,7 @@ double sampling_mm(double resolution_mm) {
 /// voxel, and an arc's height over its chord from slice to slice, which grows as its square. Measured on a vertebra
 /// that was cut out of CTs of a phantom in slices of 0.5 to 5 mm.
 double rounding_mm(double resolution_mm) {
-  constexpr double kFineMm = 0.5, kFactor = 0.2, kPower = 1.2;
+  constexpr double kFineMm = 0.45, kFactor = 0.2, kPower = 1.2;
   return kFactor * std::pow(std::max(0.0, resolution_mm - kFineMm), kPower);
 }
 

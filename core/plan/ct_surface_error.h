@@ -25,7 +25,7 @@ struct CtSurfaceError {
   double edge_hu_per_mm = 0.0;    ///< slope of the CT numbers at the surface: median
   double noise_part_mm = 0.0;     ///< standard error by the noise, over the slope
   double sampling_part_mm = 0.0;  ///< and by partial volume in the voxels: root mean square over the bone's surface
-  double curved_part_mm = 0.0;    ///< and by how voxels of over 0.5 mm round off a wall that bends, likewise
+  double curved_part_mm = 0.0;    ///< and by how voxels of over 0.45 mm round off a wall that bends, likewise
 
   /// Root mean square over the bone's surface.
   double standard_error_mm() const;
