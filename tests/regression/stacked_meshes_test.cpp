@@ -75,6 +75,8 @@ void print(const BoneMask& found, const BoneMask& ground_truth, const LevelRepor
 
 bool all_asked_for() { return std::getenv("SPINALTAP_SPINES") != nullptr; }
 
+WHOLE_RUNS("SegmentRealMeshes.*");
+
 class SegmentRealMeshes : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(SegmentRealMeshes, AloneGiveTheirLandmarks) {
