@@ -27,6 +27,13 @@ std::string triple(const Vec3& v, const char* unit) {
 }
 
 /// But for warnings and severity.
+/// Lists of places are as long as a page: --json has all of it.
+std::string in_a_line(const std::string& value) {
+  constexpr std::size_t kMost = 100, kBegin = 60;
+  if (value.size() <= kMost) return value;
+  return joined(value.substr(0, kBegin), " ... (", value.size(), " characters, all in --json)");
+}
+
 Json info_of_grids(const BoneModel& bone) {
   const Box3 bounds_mm = bone.bounds_mm();
   print_figure("grid voxels", static_cast<double>(bone.active_voxels()), "", 0);
@@ -35,7 +42,7 @@ Json info_of_grids(const BoneModel& bone) {
   print_figure("to", triple(bounds_mm.max(), "mm"));
   Json metadata = Json::object();
   for (const auto& [key, value] : bone.metadata()) {
-    if (key != "warnings" && key != "severity" && key != "input_warnings") print_figure(key, value);
+    if (key != "warnings" && key != "severity" && key != "input_warnings") print_figure(key, in_a_line(value));
     metadata[key] = value;
   }
   Json json{{"active_voxels", bone.active_voxels()},

@@ -52,6 +52,9 @@ PathDoubt of_made_up(const MadeUpSlices& made_up, const PathCurve& curve, double
 PathDoubt of_unsure(const std::vector<Vec3>& unsure_mm, const PathCurve& curve, double radius_mm) {
   // The places stand for voxels of the segmentation's work, thinned out: bone within this is as unsure.
   constexpr double kStandsForMm = 1.0;
+  // Beside ribs and joints bone is unsure on every vertebra: it counts where the tool would stand out by more than
+  // this.
+  constexpr double kWorthMm = 1.0;
   PathDoubt doubt{.kind = PathDoubt::Kind::unsure_bone, .without_mm = std::numeric_limits<double>::infinity()};
   const PointTree tree(unsure_mm);
   walk(curve, [&](double depth_mm, const Vec3& p_mm, const Vec3&, double step_mm) {
@@ -60,7 +63,7 @@ PathDoubt of_unsure(const std::vector<Vec3>& unsure_mm, const PathCurve& curve, 
     add_length(depth_mm, p_mm, step_mm, doubt);
     doubt.without_mm = std::min(doubt.without_mm, left_mm);
   });
-  return doubt;
+  return doubt.without_mm < -kWorthMm ? doubt : PathDoubt{};
 }
 
 }  // namespace

@@ -51,6 +51,8 @@ TEST(PathDoubts, TellHowMuchOfAPathRunsInBoneThatMayBeAnothers) {
   EXPECT_NEAR(doubts[0].length_mm, 2.0 * std::sqrt(16.0 - 4.0), 0.26);
   EXPECT_NEAR(doubts[0].depth_mm, 20.0 - std::sqrt(16.0 - 4.0), 0.26);
   EXPECT_NEAR(doubts[0].without_mm, 2.0 - kRadiusMm - 1.0, 0.01);
+  // Half of a millimetre would stand out: beside a rib as on any vertebra.
+  EXPECT_TRUE(path_doubts({std::nullopt, {Vec3(kRadiusMm + 0.5, 0.0, 0.0)}}, path_at(0.0)).empty());
   EXPECT_TRUE(path_doubts(bone, path_at(kRadiusMm + 1.01 + 0.5)).empty());
   EXPECT_TRUE(path_doubts({}, path_at(0.0)).empty());
   DrillPath no_path = path_at(0.0);
