@@ -125,9 +125,9 @@ TEST_F(WhichPatient, ARecordNamesItsBoneAndRunsOnAnotherOneOnlyWhereThatIsSaid) 
 }
 
 TEST_F(WhichPatient, PlansWithoutANameAreTakenWithAWord) {
-  for (const std::string& command :
-       {std::string("grade l3.vdb nameless.json --errors none -o out"), std::string("drill l3.vdb nameless.json") + kDrill,
-        std::string("render l3.vdb --plan nameless.json -o p.png")}) {
+  for (const std::string& command : {std::string("grade l3.vdb nameless.json --errors none -o out"),
+                                     std::string("drill l3.vdb nameless.json") + kDrill,
+                                     std::string("render l3.vdb --plan nameless.json -o p.png")}) {
     const test::ProgramRun taken = run(command);
     EXPECT_EQ(taken.exit_code, 0) << command << taken.errors << taken.output;
     EXPECT_THAT(taken.output, HasSubstr("this plan does not name its CT")) << command;
