@@ -26,7 +26,6 @@ std::string triple(const Vec3& v, const char* unit) {
   return text.str();
 }
 
-/// But for warnings and severity.
 /// Lists of places are as long as a page: --json has all of it.
 std::string in_a_line(const std::string& value) {
   constexpr std::size_t kMost = 100, kBegin = 60;
@@ -34,6 +33,7 @@ std::string in_a_line(const std::string& value) {
   return joined(value.substr(0, kBegin), " ... (", value.size(), " characters, all in --json)");
 }
 
+/// But for warnings and severity.
 Json info_of_grids(const BoneModel& bone) {
   const Box3 bounds_mm = bone.bounds_mm();
   print_figure("grid voxels", static_cast<double>(bone.active_voxels()), "", 0);

@@ -263,11 +263,11 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
 
 /// Where nothing was found a person may see why: the picture that was asked for shows the CT's slices then.
 [[noreturn]] void fail_with_slices(const CtVolume& ct, const Error& error, const SegmentCommandOptions& options) {
-  if (options.picture.empty()) throw Error(joined(error.what(), "; --picture slices.png shows the CT"), error.kind());
+  if (options.picture.empty()) fail_as(error.kind(), error.what(), "; --picture slices.png shows the CT");
   StagedOutput output;
   output.write(options.picture, encode_png(contact_sheet(ct)));
   output.commit();
-  throw Error(joined(error.what(), "; look at its slices in ", options.picture.string()), error.kind());
+  fail_as(error.kind(), error.what(), "; look at its slices in ", options.picture.string());
 }
 
 Json segment(const SegmentCommandOptions& options, const Progress& progress, int& exit_code) {

@@ -12,10 +12,11 @@ constexpr const char* kMadeUp = "made_up_slices_mm";
 
 }  // namespace
 
-bool MadeUpSlices::holds(const Vec3& p_mm) const {
+bool MadeUpSlices::holds(const Vec3& p_mm, double reach_mm) const {
   const double along_mm = normal.dot(p_mm);
-  return std::any_of(slabs_mm.begin(), slabs_mm.end(),
-                     [&](const Interval& slab) { return along_mm > slab.low && along_mm < slab.high; });
+  return std::any_of(slabs_mm.begin(), slabs_mm.end(), [&](const Interval& slab) {
+    return along_mm + reach_mm > slab.low && along_mm - reach_mm < slab.high;
+  });
 }
 
 void add_made_up(const MadeUpSlices& slices, std::map<std::string, std::string>& metadata) {

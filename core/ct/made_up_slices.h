@@ -16,7 +16,8 @@ struct MadeUpSlices {
   Vec3 normal = Vec3::UnitZ();       ///< of the slices: unit, patient LPS
   std::vector<Interval> slabs_mm{};  ///< along it, from patient LPS' origin; ascending, apart from each other
 
-  bool holds(const Vec3& p_mm) const;
+  /// Whether one of them reaches to within `reach_mm` of a point, along the normal.
+  bool holds(const Vec3& p_mm, double reach_mm = 0.0) const;
 };
 
 /// As the metadata "made_up_slices_mm" (the normal, then each slab's ends) of a CT or of a bone, and back. Nothing is

@@ -40,11 +40,7 @@ PathDoubt of_made_up(const MadeUpSlices& made_up, const PathCurve& curve, double
     // A section reaches as far along the slices' normal as it leans.
     const double along = made_up.normal.dot(direction);
     const double reach_mm = radius_mm * std::sqrt(std::max(0.0, 1.0 - along * along));
-    const double at_mm = made_up.normal.dot(p_mm);
-    const bool is_in = std::any_of(made_up.slabs_mm.begin(), made_up.slabs_mm.end(), [&](const Interval& slab) {
-      return at_mm + reach_mm > slab.low && at_mm - reach_mm < slab.high;
-    });
-    if (is_in) add_length(depth_mm, p_mm, step_mm, doubt);
+    if (made_up.holds(p_mm, reach_mm)) add_length(depth_mm, p_mm, step_mm, doubt);
   });
   return doubt;
 }

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "core/base/check_range.h"
@@ -361,9 +363,17 @@ class SideSearch {
         *next, thicker.path.grade, std::max(0.0, one.attempt.margin_mm), is_acceptable(thicker.path, one.attempt))};
     // Those beside the pedicle go by other rules, and a last resort is not looked for by margins.
     if (one.attempt.technique != Technique::in_out_in && one.attempt.margin_mm >= 0.0) {
-      words.push_back(detail::limits_in_words(search_.limits(one.attempt, next->diameter_mm), one.attempt));
+      words.push_back(detail::limits_in_words(limits_of(one.attempt, next->diameter_mm), one.attempt));
     }
     return words;
+  }
+
+  /// Of each kind of search once: it goes over the whole lattice, and the ways to choose from share it.
+  const detail::SearchLimits& limits_of(const detail::Attempt& attempt, double diameter_mm) const {
+    const std::tuple key(attempt.technique, attempt.margin_mm, attempt.widest_share, diameter_mm);
+    const auto [found, is_new] = limits_.try_emplace(key);
+    if (is_new) found->second = search_.limits(attempt, diameter_mm);
+    return found->second;
   }
 
   /// What the chosen one has more of than another; empty where there is nothing to tell.
@@ -417,7 +427,8 @@ class SideSearch {
   const SuggestOptions& options_;
   double side_;
   detail::TrajectorySearch search_;
-  std::vector<Graded> found_;  ///< best first
+  std::vector<Graded> found_;                                                                     ///< best first
+  mutable std::map<std::tuple<Technique, double, double, double>, detail::SearchLimits> limits_;  ///< limits_of()
   std::string alike_;
 };
 

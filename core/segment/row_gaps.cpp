@@ -54,14 +54,20 @@ double median_between(const SpineBodies& spine, const Measure& measure) {
   return detail::lower_median(std::move(all));
 }
 
+/// The longer step of the pairs beside one; of an outermost pair nothing.
+std::optional<double> step_beside_mm(const SpineBodies& spine, std::size_t lower) {
+  const std::size_t lowest = spine.has_sacrum ? 1 : 0, highest = spine.chain.size() - 2;
+  if (lower <= lowest || lower >= highest) return std::nullopt;
+  return std::max(step_mm(spine, lower - 1), step_mm(spine, lower + 1));
+}
+
 /// Whether two neighbours' middles lie so much further apart than those of the pairs beside them that both may have
 /// taken a part of one between them.
 bool is_long_step(const SpineBodies& spine, std::size_t lower) {
   // From one pair to the next steps grow by up to 1.2; a body between two makes them 1.35 times as long and more.
   constexpr double kLong = 1.3;
-  const std::size_t lowest = spine.has_sacrum ? 1 : 0, highest = spine.chain.size() - 2;
-  if (lower <= lowest || lower >= highest) return false;
-  return step_mm(spine, lower) >= kLong * std::max(step_mm(spine, lower - 1), step_mm(spine, lower + 1));
+  const std::optional<double> beside_mm = step_beside_mm(spine, lower);
+  return beside_mm && step_mm(spine, lower) >= kLong * *beside_mm;
 }
 
 /// Whether there is room for a body between one and the next above. Discs are up to half as high as their bodies, and a
@@ -118,7 +124,7 @@ std::vector<std::string> gaps_in_row(const SpineBodies& spine) {
         has_room ? joined(std::lround(gap_mm(spine, n)), " mm lie between two of ",
                           std::lround(mean_height_mm(spine, n)), " mm")
                  : joined("their middles are ", std::lround(step_mm(spine, n)), " mm apart, those beside them up to ",
-                          std::lround(std::max(step_mm(spine, n - 1), step_mm(spine, n + 1))), " mm");
+                          std::lround(*step_beside_mm(spine, n)), " mm");
     gaps.push_back(joined("a body may be missed between ", at_height(middle_mm(spine, n + 1)), " and ",
                           at_height(middle_mm(spine, n)), ": ", why));
   }

@@ -468,8 +468,6 @@ CanalFinder::CanalFinder(const CtVolume& ct, const BoneLevels& levels, const Pro
   scores_ = std::make_unique<const Scores>(ct, levels, progress);
 }
 CanalFinder::~CanalFinder() = default;
-CanalFinder::CanalFinder(CanalFinder&&) noexcept = default;
-CanalFinder& CanalFinder::operator=(CanalFinder&&) noexcept = default;
 
 SpinalCanal CanalFinder::find(const CanalSearch& search, const Progress& progress) const {
   const GridGeometry& geometry = scores_->blocks.geometry;

@@ -34,8 +34,6 @@ class CanalFinder {
   /// Looks at all of the CT, once for all canals.
   CanalFinder(const CtVolume& ct, const BoneLevels& levels, const Progress& progress = {});
   ~CanalFinder();
-  CanalFinder(CanalFinder&&) noexcept;
-  CanalFinder& operator=(CanalFinder&&) noexcept;
 
   /// Empty where no chain is longer than 10 mm.
   SpinalCanal find(const CanalSearch& search = {}, const Progress& progress = {}) const;

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
 #include "tests/support/altered_ct.h"
+#include "tests/support/mask_overlap.h"
 #include "tests/support/spine_scores.h"
 #include "tests/trunks/level_table.h"
 
@@ -45,30 +46,22 @@ std::vector<AlteredScan> alterations() {
   return all;
 }
 
-/// Voxels of `own` on the altered grid: in the CT as it is with `label`, in the altered one with `found`, in both.
-struct Overlap {
-  double is = 0.0, as = 0.0, both = 0.0;
-  double dice() const { return 2.0 * both / std::max(1.0, is + as); }
-};
-Overlap overlap_of(const LabelVolume& own, int label, const LabelVolume& altered, int found, double by) {
-  Overlap overlap;
-  const auto& size = altered.geometry.size;
-  std::size_t voxel = 0;
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i, ++voxel) {
-        const Eigen::Vector3i at =
-            own.geometry.to_index(altered.geometry.to_patient(Vec3(i, j, k)) / by).array().round().cast<int>();
-        const bool is = own.geometry.contains(at.x(), at.y(), at.z()) &&
-                        own.labels[own.geometry.offset(at.x(), at.y(), at.z())] == label;
-        const bool as = altered.labels[voxel] == found;
-        overlap.is += is ? 1.0 : 0.0;
-        overlap.as += as ? 1.0 : 0.0;
-        overlap.both += is && as ? 1.0 : 0.0;
+/// A label on the grid of a CT that is `by` times as large: of the nearest voxels.
+BoneMask mask_on(const GridGeometry& geometry, const LabelVolume& own, int label, double by) {
+  BoneMask mask{geometry, {}};
+  mask.inside.reserve(geometry.voxel_count());
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        const Vec3 place = own.geometry.to_index(geometry.to_patient(Vec3(i, j, k)) / by);
+        const Eigen::Vector3i at = place.array().round().cast<int>();
+        const bool is_there = own.geometry.contains(at.x(), at.y(), at.z()) &&
+                              own.labels[own.geometry.offset(at.x(), at.y(), at.z())] == label;
+        mask.inside.push_back(is_there ? 1 : 0);
       }
     }
   }
-  return overlap;
+  return mask;
 }
 
 void examine(const std::string& file, LevelTable& table) {
@@ -97,7 +90,8 @@ void examine(const std::string& file, LevelTable& table) {
         used[nearest->index] = true;
         row.found = &found.levels[nearest->index];
         row.centre_mm = nearest->away_mm;
-        row.dice = overlap_of(own.labels, level.label, found.labels, row.found->label, alteration.by).dice();
+        row.dice = dice(mask_on(altered.geometry, own.labels, level.label, alteration.by),
+                        mask_of(found.labels, row.found->label));
         row.is_told = row.found->is_suspect();
         row.figures = doubt_figures(altered, found, nearest->index);
       }

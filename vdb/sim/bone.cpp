@@ -20,7 +20,8 @@ struct Bone::State {
 
   BoneModel model;
   std::filesystem::path file;  ///< that it was loaded from; empty: none
-  std::once_flag has_hash, has_identity, has_shape, has_landmarks, has_walls, has_neighbours, has_surface_error;
+  std::once_flag has_hash, has_identity, has_shape, has_landmarks, has_walls, has_neighbours, has_surface_error,
+      has_doubtful;
   std::string hash;
   BoneIdentity identity;
   std::optional<BoneShape> shape;
@@ -29,6 +30,7 @@ struct Bone::State {
   std::optional<WallDistance> walls;
   std::vector<Bone> neighbours;
   std::optional<CtSurfaceError> surface_error;
+  DoubtfulBone doubtful;
 };
 
 Bone::Bone(BoneModel model) : state_(std::make_shared<State>(std::move(model))) {}
@@ -172,8 +174,11 @@ const std::vector<Bone>& Bone::neighbours() const {
   return state_->neighbours;
 }
 
-DoubtfulBone Bone::doubtful() const {
-  return {made_up_in(model().metadata()), warnings().value_or(LevelWarnings{}).unsure_mm};
+const DoubtfulBone& Bone::doubtful() const {
+  std::call_once(state_->has_doubtful, [&] {
+    state_->doubtful = {made_up_in(model().metadata()), warnings().value_or(LevelWarnings{}).unsure_mm};
+  });
+  return state_->doubtful;
 }
 
 std::optional<CtSurfaceError> Bone::surface_error() const {
@@ -186,9 +191,8 @@ std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Prog
   AutoPlanOptions settings = options;
   if (settings.level == Level::kNone) settings.level = level();
   std::vector<Suggestion> suggestions = auto_plan(walls(progress), hu_sampler(), settings, progress);
-  const DoubtfulBone of_bone = doubtful();
   const auto finish = [&](SuggestedPath& one) {
-    note_doubts(of_bone, one.path, one.grade);
+    note_doubts(doubtful(), one.path, one.grade);
     one.path.bone = identity();
   };
   for (Suggestion& suggestion : suggestions) {

@@ -90,7 +90,7 @@ class Bone {
 
   /// Where it is open whether there is bone, or whose it is: slices that were made up, and what its segmentation was
   /// unsure of.
-  DoubtfulBone doubtful() const;
+  const DoubtfulBone& doubtful() const;
 
   /// How well the CT that it was baked from shows its surface; nothing where the CT's noise is not known.
   std::optional<CtSurfaceError> surface_error() const;
