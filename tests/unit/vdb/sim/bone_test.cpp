@@ -64,7 +64,7 @@ TEST(Bone, GradesNoPathThroughMadeUpSlicesOrAnothersBoneAsPlainA) {
   // The planner's and the program's suggestions say it too.
   for (const auto& metadata : {filled, unsure}) {
     const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 60.0, {}, metadata));
-    const SuggestedPath& left = bone.suggest()[0].best.value();
+    const SuggestedPath left = bone.suggest()[0].best.value();
     EXPECT_EQ(grade_in_words(left.grade) == "A", path_doubts(bone.doubtful(), left.path).empty());
   }
 }
