@@ -143,7 +143,7 @@ class SideSearch {
       if (is_second_look && (attempt.technique != best().attempt.technique || attempt.margin_mm < kHalfMm)) break;
       for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
         Graded one = grade(candidate, attempt);
-        if (is_acceptable(one.path, attempt)) found_.push_back(std::move(one));
+        if (objection(one.path, attempt).empty()) found_.push_back(std::move(one));
       }
       std::stable_sort(found_.begin(), found_.end(), is_better);
       if (has_path() && (is_second_look || holds_well(best().path))) break;
@@ -161,7 +161,8 @@ class SideSearch {
         search_.with_smaller(best().candidate, best().attempt, largest);
     if (!candidate) return std::nullopt;
     Graded one = grade(*candidate, best().attempt);
-    if (!is_acceptable(one.path, one.attempt) || one.path.grade.grade != best().path.grade.grade) return std::nullopt;
+    if (!objection(one.path, one.attempt).empty() || one.path.grade.grade != best().path.grade.grade)
+      return std::nullopt;
     return one;
   }
   void take(const Graded& other, const std::string& reason) {
@@ -205,7 +206,7 @@ class SideSearch {
     attempt.least_diameter_mm = thick_mm();
     for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
       Graded one = grade(candidate, attempt);
-      if (is_acceptable(one.path, attempt)) found_.push_back(std::move(one));
+      if (objection(one.path, attempt).empty()) found_.push_back(std::move(one));
     }
     std::stable_sort(found_.begin(), found_.end(), is_better);
   }
@@ -289,18 +290,24 @@ class SideSearch {
                          [](const Finding& finding) { return finding.is_warning; });
   }
 
-  /// In its technique's sense: all in bone, or out only where that is meant.
-  bool is_acceptable(const SuggestedPath& path, const detail::Attempt& attempt) const {
+  /// What speaks against a path in its technique's sense (all in bone, or out only where that is meant), as what the
+  /// screw "would" do; empty: nothing.
+  std::string objection(const SuggestedPath& path, const detail::Attempt& attempt) const {
     constexpr double kLeastDeep = 0.35;  // of the body: less holds little
     const PathGrade& grade = path.grade;
-    if (body_share(path) < kLeastDeep) return false;
+    if (const double share = body_share(path); share < kLeastDeep) {
+      return share > 0.0 ? "reach only " + short_number(100.0 * share, 0) + " % into the body" : "not reach the body";
+    }
+    if (attempt.margin_mm >= 0.0 && grade.facet > 1) return "stand in the joint";
     if (attempt.technique == Technique::in_out_in) {
       const auto beyond = [&](PathSide side) { return grade.side_breach_mm[static_cast<std::size_t>(side)] > 0.0; };
-      return !beyond(PathSide::medial) && !beyond(PathSide::anterior) && !(grade.canal.clearance_mm < 0.0) &&
-             grade.breach_mm <= options_.lateral_breach_mm && grade.facet <= 1;
+      const bool is_meant = !beyond(PathSide::medial) && !beyond(PathSide::anterior) &&
+                            !(grade.canal.clearance_mm < 0.0) && grade.breach_mm <= options_.lateral_breach_mm;
+      return is_meant ? "" : "stand out of bone where it is not meant to";
     }
-    // The last resort puts up with a breach below 2 mm; nothing else with one, or with a screw in the joint.
-    return attempt.margin_mm < 0.0 ? grade.grade <= Grade::B : grade.grade == Grade::A && grade.facet <= 1;
+    // The last resort puts up with a breach below 2 mm; nothing else with one.
+    const Grade worst = attempt.margin_mm < 0.0 ? Grade::B : Grade::A;
+    return grade.grade <= worst ? "" : std::string("be of grade ") + letter_of(grade.grade);
   }
 
   static bool is_better(const Graded& a, const Graded& b) {
@@ -359,8 +366,12 @@ class SideSearch {
     candidate.path.screw = *next;
     candidate.path.target_mm += (next->length_mm - screw.length_mm) * candidate.path.direction();
     const Graded thicker = grade(candidate, one.attempt);
-    std::vector<std::string> words{detail::thicker_on_way(
-        *next, thicker.path.grade, std::max(0.0, one.attempt.margin_mm), is_acceptable(thicker.path, one.attempt))};
+    const double margin_mm = std::max(0.0, one.attempt.margin_mm);
+    const std::string against = objection(thicker.path, one.attempt);
+    std::vector<std::string> words{detail::thicker_on_way(*next, thicker.path.grade, margin_mm, against)};
+    // Where it would do, nothing keeps it out: the lattice has no way that was moved as far as this one.
+    const PathGrade& graded = thicker.path.grade;
+    if (against.empty() && std::min(graded.canal.clearance_mm, graded.outer.clearance_mm) >= margin_mm) return words;
     // Those beside the pedicle go by other rules, and a last resort is not looked for by margins.
     if (one.attempt.technique != Technique::in_out_in && one.attempt.margin_mm >= 0.0) {
       words.push_back(detail::limits_in_words(limits_of(one.attempt, next->diameter_mm), one.attempt));

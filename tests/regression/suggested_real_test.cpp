@@ -103,7 +103,10 @@ void expect_signed_for(const Bone& bone, const std::string& name, Level level) {
             (bone.landmarks().to_own(bone.landmarks().body.centre_mm).y() + 0.5 * bone.landmarks().body.depth_mm -
              bone.landmarks().to_own(best.path.target_mm).y()) /
             bone.landmarks().body.depth_mm);
-    for (const std::string& reason : best.reasons) std::printf("    %s\n", reason.c_str());
+    std::string reasons;
+    for (const std::string& reason : best.reasons) reasons += "    " + reason + "\n";
+    std::printf("%s", reasons.c_str());
+    EXPECT_FALSE(reasons.find("do too") < reasons.size() && reasons.find("no way") < reasons.size()) << "both";
     for (const Finding& finding : best.grade.findings) {
       std::printf("  %s %s\n", finding.is_warning ? "!" : ".", finding.words.c_str());
     }

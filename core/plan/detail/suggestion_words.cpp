@@ -30,7 +30,8 @@ const PedicleScrew* next_thicker(std::span<const PedicleScrew> screws, const Ped
   return next;
 }
 
-std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, double margin_mm, bool is_acceptable) {
+std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, double margin_mm,
+                           const std::string& objection) {
   const bool is_canal = grade.canal.clearance_mm < grade.outer.clearance_mm;
   const Approach& nearer = is_canal ? grade.canal : grade.outer;
   const std::string would = "a screw of " + short_number(thicker.diameter_mm) + " x " +
@@ -45,9 +46,7 @@ std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, 
     return would + "leave " + short_number(nearer.clearance_mm, 2) + " mm of bone at " + wall + where + ", and " +
            short_number(margin_mm, 2) + " mm are looked for";
   }
-  if (!is_acceptable) {
-    return would + (grade.facet > 1 ? "stand in the joint" : std::string("be of grade ") + letter_of(grade.grade));
-  }
+  if (!objection.empty()) return would + objection;
   return would + "do too, and leave " + short_number(nearer.clearance_mm, 2) + " mm of bone around it";
 }
 

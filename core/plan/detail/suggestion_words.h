@@ -15,8 +15,9 @@ std::string short_number(double value, int decimals = 1);
 const PedicleScrew* next_thicker(std::span<const PedicleScrew> screws, const PedicleScrew& screw);
 
 /// What a thicker screw would do on the same way: breach a wall or leave less bone than `margin_mm` there, with depth
-/// and side, or what else speaks against it. `is_acceptable`: nothing does.
-std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, double margin_mm, bool is_acceptable);
+/// and side, or what else speaks against it, `objection`: "stand in the joint"; empty: nothing does.
+std::string thicker_on_way(const PedicleScrew& thicker, const PathGrade& grade, double margin_mm,
+                           const std::string& objection);
 
 /// Why no trajectory takes a screw of a diameter, or how many do: "no way of 3,214 takes one of 4 mm: ...".
 std::string limits_in_words(const SearchLimits& limits, const Attempt& attempt);

@@ -234,6 +234,16 @@ TEST_F(SuggestPaths, SayOfEachThinScrewWhatKeepsAThickerOneFromAllWays) {
   }
 }
 
+TEST_F(SuggestPaths, SayOfAThickerScrewThatItIsTooShort) {
+  const std::vector<PedicleScrew> long_or_thick{{"", 4.5, 35.0, 4.0}, {"", 4.6, 25.0, 4.0}};
+  for (const Suggestion& suggestion : suggest_paths(walls(), hu_of_200, {}, long_or_thick)) {
+    std::string reasons;
+    for (const std::string& reason : suggestion.best.value().reasons) reasons += reason + "\n";
+    EXPECT_NE(reasons.find("a screw of 4.6 x 25 mm on this way would reach only "), std::string::npos) << reasons;
+    EXPECT_NE(reasons.find(" % into the body"), std::string::npos) << reasons;
+  }
+}
+
 TEST_F(SuggestPaths, TakeAThickScrewThatBestWaysForThinOnesHaveNoRoomFor) {
   // One of 6 mm fills two thirds of the pedicle; the many thin ones of the table do not crowd it out.
   std::vector<PedicleScrew> screws{{"", 6.0, 35.0, 4.0}};
