@@ -25,7 +25,7 @@ bool LinkHearing::take(const LinkInput& input) {
   }
 }
 
-LinkOutput output_of(const DrillSession& session, const Cycle& cycle) {
+LinkOutput output_of(const Session& session, const Cycle& cycle) {
   LinkOutput output;
   output.cycle = cycle.index;
   output.time_s = cycle.time_s;
@@ -42,7 +42,7 @@ LinkOutput output_of(const DrillSession& session, const Cycle& cycle) {
   return output;
 }
 
-void LinkTeller::tell_stop(const DrillSession& session, const LinkOutput& output, LinkServer& server) noexcept {
+void LinkTeller::tell_stop(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
   if (!output.is_stopped || was_stopped_) return;
   was_stopped_ = true;
   LinkOutput stop = output;
@@ -56,7 +56,7 @@ void LinkTeller::tell_stop(const DrillSession& session, const LinkOutput& output
   server.give(stop);
 }
 
-void LinkTeller::tell_events(const DrillSession& session, const LinkOutput& output, LinkServer& server) noexcept {
+void LinkTeller::tell_events(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
   const std::span<const SessionEvent> events = session.events();
   for (; events_told_ < events.size(); ++events_told_) {
     LinkOutput told = output;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/link/link_server.h"
-#include "core/session/drill_session.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 
@@ -22,14 +22,14 @@ struct LinkHearing {
 };
 
 /// What a cycle says: a pose with forces, states and clearances, in TrackingState::ok.
-LinkOutput output_of(const DrillSession& session, const Cycle& cycle);
+LinkOutput output_of(const Session& session, const Cycle& cycle);
 
 /// Tells a server what has happened in a session, each thing once. Allocates nothing.
 class LinkTeller {
  public:
   /// Where a rule has asked to stop, with the rule's event; before all else that the cycle says.
-  void tell_stop(const DrillSession& session, const LinkOutput& output, LinkServer& server) noexcept;
-  void tell_events(const DrillSession& session, const LinkOutput& output, LinkServer& server) noexcept;
+  void tell_stop(const Session& session, const LinkOutput& output, LinkServer& server) noexcept;
+  void tell_events(const Session& session, const LinkOutput& output, LinkServer& server) noexcept;
 
  private:
   bool was_stopped_ = false;

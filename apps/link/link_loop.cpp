@@ -23,7 +23,7 @@ double seconds_between(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 *
 
 class LinkLoop {
  public:
-  LinkLoop(DrillSession& session, LinkServer& server, const LinkLoopOptions& options, const CycleObserver& observe)
+  LinkLoop(Session& session, LinkServer& server, const LinkLoopOptions& options, const CycleObserver& observe)
       : session_(session),
         server_(server),
         options_(options),
@@ -43,7 +43,7 @@ class LinkLoop {
   void tell_state(std::int64_t now_ns);
   std::int64_t next_wake_ns(std::int64_t now_ns) const;
 
-  DrillSession& session_;
+  Session& session_;
   LinkServer& server_;
   const LinkLoopOptions& options_;
   const CycleObserver& observe_;
@@ -116,7 +116,7 @@ void LinkLoop::run_cycle(const Pose& pose) {
   if (!is_first) report_.longest_gap_s = std::max(report_.longest_gap_s, since_s);
   last_arrival_ns_ = tool_.arrival_ns;
   const Cycle& cycle =
-      session_.step({pose, hearing_.spindle_on && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
+      session_.step_input({pose, hearing_.spindle_on && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
   ++report_.cycles;
   tell_cycle(cycle);
   if (observe_) observe_(cycle);
@@ -168,7 +168,7 @@ std::int64_t LinkLoop::next_wake_ns(std::int64_t now_ns) const {
 
 double force_share(double silent_s) { return std::clamp((kNoForceS - silent_s) / (kNoForceS - kHoldForceS), 0.0, 1.0); }
 
-LinkLoopReport run_link(DrillSession& session, LinkServer& server, const LinkLoopOptions& options,
+LinkLoopReport run_link(Session& session, LinkServer& server, const LinkLoopOptions& options,
                         const CycleObserver& observe, const Progress& progress) {
   if (!(options.rate_hz >= 1.0 && options.rate_hz <= 20'000.0)) {
     fail("link: expected a rate of 1 to 20,000 Hz, found ", options.rate_hz, " Hz");

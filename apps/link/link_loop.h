@@ -4,7 +4,7 @@
 
 #include "apps/link/link_server.h"
 #include "core/base/progress.h"
-#include "core/session/drill_session.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 
@@ -43,7 +43,7 @@ double force_share(double silent_s);
 /// `observe` is called in that thread and must not wait. Ends at a command, after longest_s, or where `progress` is
 /// cancelled; then all is as it was, and a record can be closed. Throws Error on bad options, and what `observe`
 /// throws.
-LinkLoopReport run_link(DrillSession& session, LinkServer& server, const LinkLoopOptions& options,
+LinkLoopReport run_link(Session& session, LinkServer& server, const LinkLoopOptions& options,
                         const CycleObserver& observe = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

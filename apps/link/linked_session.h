@@ -37,10 +37,10 @@ struct LinkedSession {
   std::uint64_t mesh_lost = 0;  ///< cycles that came too fast for the bone that is sent
 };
 
-/// Drills a bone with what is tracked over OpenIGTLink: builds the session of `setup`, whose path is the plan's, opens
+/// Drills a bone with what is tracked over OpenIGTLink: begins the session of `setup`, whose path is the plan's, opens
 /// the server, and runs until it ends. Nothing of where the bone came from goes out: neither names of patients, files
-/// and plans nor a CT. Throws Error as build_session(), LinkServer and RecordWriter do; nothing listens then.
-LinkedSession drill_linked(const Bone& bone, SessionSetup setup, const LinkedOptions& options,
+/// and plans nor a CT. Throws Error as Session and LinkServer do; nothing listens then.
+LinkedSession drill_linked(const Bone& bone, const SessionSetup& setup, const LinkedOptions& options,
                            const Progress& progress = {});
 
 }  // namespace spinaltap

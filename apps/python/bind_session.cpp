@@ -333,9 +333,9 @@ Ctrl-C cancels; the cycles until then are done.)")
           "record",
           [](OwnedSession& self, const std::filesystem::path& file, const std::optional<std::array<int, 2>>& frames,
              bool frame_normals) {
-            std::optional<FrameFormat> format;
-            if (frames) format = FrameFormat{(*frames)[0], (*frames)[1], frame_normals};
-            self.take()->record(file, format);
+            RecordOptions options;
+            if (frames) options.frames = FrameFormat{(*frames)[0], (*frames)[1], frame_normals};
+            self.take()->record(file, options);
           },
           "file"_a, py::kw_only(), "frames"_a = py::none(), "frame_normals"_a = true,
           "From here on each cycle goes to a record, an HDF5 file. `frames`: width and height of what record_view() "

@@ -5,7 +5,6 @@
 #include "apps/report/heat_figures.h"
 #include "apps/report/text.h"
 #include "core/base/text_writer.h"
-#include "core/files/recorded_setup.h"
 #include "core/force/force_band.h"
 #include "mesh/mesh_io.h"
 
@@ -176,10 +175,9 @@ void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const
   output.write(folder / "report.html", drill_report(data));
 }
 
-std::map<std::string, std::string> record_words(const SessionSetup& setup,
-                                                const std::map<std::string, std::string>& operator_words,
+std::map<std::string, std::string> record_words(const std::map<std::string, std::string>& operator_words,
                                                 const std::string& pace) {
-  std::map<std::string, std::string> words = record_setup(setup);
+  std::map<std::string, std::string> words;
   for (const auto& [name, value] : operator_words) words["operator " + name] = value;
   words["pace"] = pace;
   return words;

@@ -51,9 +51,8 @@ std::string region_text(const Box3& region_mm);
 /// Where and why an operator ended short of its target; empty where it did not.
 std::string end_words(const Drilling& drilling, const DrillPath& path);
 
-/// What a record says of the session, the operator (OperatorPlan::words) and the pace.
-std::map<std::string, std::string> record_words(const SessionSetup& setup,
-                                                const std::map<std::string, std::string>& operator_words,
+/// What a record says beside the session's setup: of the operator (OperatorPlan::words) and the pace.
+std::map<std::string, std::string> record_words(const std::map<std::string, std::string>& operator_words,
                                                 const std::string& pace);
 
 }  // namespace spinaltap

@@ -10,7 +10,7 @@
 #include "apps/spinaltap/heat_options.h"
 #include "core/ct/hu_to_density.h"
 #include "core/session/real_time/real_time.h"
-#include "vdb/sim/build_session.h"
+#include "core/session/session_setup.h"
 
 namespace spinaltap {
 

@@ -26,6 +26,7 @@
 #include "core/files/bit_json.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
+#include "core/files/recorded_setup.h"
 #include "core/force/force_band.h"
 #include "core/points/neighbour_distances.h"
 #include "core/rbf/rbf_field.h"
@@ -126,8 +127,10 @@ class Recording {
   Recording(const DrillOptions& options, const SessionSetup& setup, const OperatorPlan& tool_operator) {
     if (options.record.empty()) return;
     const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
-    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace), options.may_replace_record,
-                    std::nullopt, record_parts(setup.path.bit, setup.options));
+    std::map<std::string, std::string> words = record_setup(setup);
+    words.merge(record_words(tool_operator.words, pace));
+    writer_.emplace(options.record, words, options.may_replace_record, std::nullopt,
+                    record_parts(setup.path.bit, setup.options));
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.

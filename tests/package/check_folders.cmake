@@ -79,6 +79,11 @@ foreach(folder core vdb mesh)
   forbid("${headers}" "[^\"]*json[^\"/]*\\.h" "headers that are installed know no JSON")
 endforeach()
 
+# Programs drill through Session, or what is made of it (drill_bone(), SessionBatch, studies): one builder, one set of
+# defaults.
+sources(apps headers all)
+forbid("${all}" "vdb/sim/build_session\\.h" "apps/ drills through vdb/sim/session.h")
+
 # The rooms. Each may use those before it and none after it.
 include(${CMAKE_CURRENT_LIST_DIR}/rooms.cmake)
 set(later ${rooms})

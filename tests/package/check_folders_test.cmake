@@ -48,6 +48,7 @@ set(broken
     core/ct/x.cpp [[#include <pybind11/pybind11.h>]]
     apps/spinaltap/x.cpp [[#include <Python.h>]]
     apps/python/x.cpp [[#include "apps/report/text.h"]]
+    apps/link/x.cpp [[#include "vdb/sim/build_session.h"]]
     apps/spinaltap/x.cpp [[#include <openvdb/openvdb.h>]]
     apps/examples/x.cpp [[#include <openvdb/openvdb.h>]]
     apps/examples/openvdb_x.cpp [[#include <spinaltap/spinaltap.h>]]

@@ -16,6 +16,7 @@
 #include "mesh/display_mesh.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
@@ -82,6 +83,8 @@ class MaskBoundary {
   std::vector<int> axes_;  ///< across which the face's voxels lie
   std::optional<PointGrid> grid_;
 };
+
+WHOLE_RUNS("RealCt.*");
 
 TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_ct_1.5mm")

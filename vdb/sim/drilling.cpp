@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/session/cutting_motion.h"
 #include "core/session/real_time/timing.h"
 #include "core/tool/path_curve.h"
 #include "vdb/grid/bone_model.h"

@@ -50,6 +50,49 @@ void compare_events(const SessionRecord& record, std::span<const SessionEvent> n
   }
 }
 
+/// Moves the tool as a record has it, up to the first cycle that is not in it.
+class RecordOperator final : public Operator {
+ public:
+  RecordOperator(const SessionRecord& record, const ToolChanger& change_tool)
+      : record_(record),
+        change_tool_(change_tool),
+        next_tool_(record.tools.begin()),
+        next_cycle_(record.cycles.empty() ? 0 : record.cycles.front().cycle) {}
+
+  std::optional<ToolInput> next(const ToolFeedback& /*feedback*/) override {
+    if (given_ == record_.cycles.size() || is_stopped_) return std::nullopt;
+    const RecordedCycle& next = record_.cycles[given_];
+    if (next.cycle != next_cycle_) {
+      gap_ = "cycles from " + std::to_string(next_cycle_) + " to " + std::to_string(next.cycle) +
+             " are not in the record; those before were compared";
+      return std::nullopt;
+    }
+    for (; next_tool_ != record_.tools.end() && next_tool_->cycle <= next.cycle; ++next_tool_)
+      change_tool_(*next_tool_);
+    ++given_;
+    ++next_cycle_;
+    return input_of(next);
+  }
+  std::size_t count() const override { return record_.cycles.size(); }
+
+  /// That was given last.
+  const RecordedCycle& row() const { return record_.cycles[given_ - 1]; }
+  /// After the last one.
+  std::uint64_t next_cycle() const { return next_cycle_; }
+  /// Why it ended before the record does; empty where it did not.
+  const std::string& gap() const { return gap_; }
+  void stop() { is_stopped_ = true; }
+
+ private:
+  const SessionRecord& record_;
+  const ToolChanger& change_tool_;
+  std::vector<RecordedTool>::const_iterator next_tool_;
+  std::uint64_t next_cycle_;
+  std::size_t given_ = 0;
+  std::string gap_;
+  bool is_stopped_ = false;
+};
+
 }  // namespace
 
 ToolInput input_of(const RecordedCycle& row) {
@@ -63,28 +106,25 @@ ToolInput input_of(const RecordedCycle& row) {
 
 Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress,
                      const ToolChanger& change_tool) {
-  Replay replay;
   if (!record.tools.empty() && !change_tool) fail("expected a record of one tool, found one that changes its tool");
-  auto next_tool = record.tools.begin();
-  ProgressCounter counter(progress, "replaying", record.cycles.size());
-  std::uint64_t next = record.cycles.empty() ? 0 : record.cycles.front().cycle;
-  for (const RecordedCycle& row : record.cycles) {
-    if (row.cycle != next) {
-      replay.gap = "cycles from " + std::to_string(next) + " to " + std::to_string(row.cycle) +
-                   " are not in the record; those before were compared";
-      break;
-    }
-    for (; next_tool != record.tools.end() && next_tool->cycle <= row.cycle; ++next_tool) change_tool(*next_tool);
-    const std::string difference = spinaltap::difference(row, recorded(session.step(input_of(row))));
-    if (!difference.empty()) {
-      replay.difference = "cycle " + std::to_string(row.cycle) + ": " + difference;
-      return replay;
-    }
-    ++next;
-    ++replay.cycles;
-    counter.add();
-  }
-  if (replay.gap.empty()) compare_events(record, session.events(), next, replay);
+  RecordOperator rows(record, change_tool);
+  Replay replay;
+  run_session(
+      session, rows,
+      [&](const Cycle& cycle) {
+        const RecordedCycle& row = rows.row();
+        const std::string difference = spinaltap::difference(row, recorded(cycle));
+        if (difference.empty()) {
+          ++replay.cycles;
+        } else {
+          replay.difference = "cycle " + std::to_string(row.cycle) + ": " + difference;
+          rows.stop();
+        }
+      },
+      progress);
+  if (!replay.difference.empty()) return replay;
+  replay.gap = rows.gap();
+  if (replay.gap.empty()) compare_events(record, session.events(), rows.next_cycle(), replay);
   return replay;
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/choose_engine.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/operator/motion_log.h"
 #include "vdb/picture/view.h"
 #include "vdb/sim/build_session.h"
@@ -19,10 +20,11 @@
 namespace spinaltap {
 
 struct Session::State {
-  State(std::vector<Bone> its_bones, const SessionSetup& its_setup, const Progress& progress)
+  State(std::vector<Bone> its_bones, const SessionSetup& its_setup, const Progress& progress,
+        const ClearanceField* clearances = nullptr)
       : bones(std::move(its_bones)),
         setup(its_setup),
-        built(build_session(bones, setup, progress)),
+        built(build_session(bones, setup, progress, nullptr, clearances)),
         motion(ShownBone::kReaders * bones.size()),
         tool(setup.path.bit),
         living(built.bone.living_words()) {
@@ -50,6 +52,7 @@ struct Session::State {
   };
   std::vector<Taken> taken;
   std::unique_ptr<RecordWriter> record;
+  bool record_waits = true;
 
   void begin_motion() {
     motion.begin(tool, setup.options.max_jump_mm);
@@ -157,7 +160,11 @@ struct Session::State {
     if (const std::optional<Pose> pose = sound_pose(move.pose, tool)) at = pose;
     motion.add(move);
     if (!record) return;
-    record->add_waiting(cycle);
+    if (record_waits) {
+      record->add_waiting(cycle);
+    } else {
+      record->add(cycle);
+    }
     record->add_events(built.session->events());
   }
 };
@@ -187,6 +194,13 @@ SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, Sessio
   return setup;
 }
 
+/// Whether a tool on one path may take over the distances to walls of another: those of a plate are of its own size.
+bool shares_walls(const DrillPath& a, const DrillPath& b) {
+  const bool has_plate = a.bit.shape == BitShape::plate || b.bit.shape == BitShape::plate;
+  return a.entry_mm == b.entry_mm && a.target_mm == b.target_mm && a.via_mm == b.via_mm &&
+         (!has_plate || a.bit == b.bit);
+}
+
 SessionSetup without_path(std::span<const Bone> bones, SessionSetup setup) {
   if (bones.empty()) fail("expected a bone to drill, found none");
   setup.options.has_path = setup.options.follows_path = false;
@@ -195,8 +209,14 @@ SessionSetup without_path(std::span<const Bone> bones, SessionSetup setup) {
 
 }  // namespace
 
-Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress)
-    : Session(std::vector{std::move(bone)}, path, setup, progress) {}
+Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress,
+                 const Session* alike) {
+  std::vector bones{std::move(bone)};
+  const SessionSetup whole = complete(bones, path, setup);
+  const bool has_same = alike != nullptr && shares_walls(path, alike->path());
+  state_ = std::make_unique<State>(std::move(bones), whole, progress,
+                                   has_same ? alike->state_->built.clearances.get() : nullptr);
+}
 Session::Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup, const Progress& progress) {
   const SessionSetup whole = complete(bones, path, setup);
   state_ = std::make_unique<State>(std::move(bones), whole, progress);
@@ -228,14 +248,20 @@ std::vector<RecordedCycle> Session::run(std::span<const ToolInput> inputs, const
   return rows;
 }
 
+CycleObserver Session::noting(const CycleObserver& observe) {
+  return [this, &observe](const Cycle& cycle) {
+    state_->note(cycle);
+    if (observe) observe(cycle);
+  };
+}
+
 void Session::run(Operator& tool, const CycleObserver& observe, const Progress& progress) {
-  run_session(
-      *state_->built.session, tool,
-      [&](const Cycle& cycle) {
-        state_->note(cycle);
-        if (observe) observe(cycle);
-      },
-      progress);
+  run_session(*state_->built.session, tool, noting(observe), progress);
+}
+
+RealTimeReport Session::run_real_time(Operator& tool, const RealTimeOptions& pace, const CycleObserver& observe,
+                                      const DisplayTask& display, const ForceTask& output, const Progress& progress) {
+  return spinaltap::run_real_time(*state_->built.session, tool, pace, noting(observe), display, output, progress);
 }
 
 void Session::set_tool(const DrillBit& bit) { state_->set_tool(bit); }
@@ -246,16 +272,20 @@ ToolFeedback Session::feedback() const { return state_->built.session->feedback(
 std::span<const SessionEvent> Session::events() const { return state_->built.session->events(); }
 bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 
-void Session::record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames) {
+void Session::record(const std::filesystem::path& file, const RecordOptions& options) {
   if (state_->cycles > 0) fail("expected a record from the first cycle on, found ", state_->cycles, " done");
-  state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames,
+  std::map<std::string, std::string> words = record_setup(state_->setup);
+  words.insert(options.words.begin(), options.words.end());
+  state_->record = std::make_unique<RecordWriter>(file, words, options.may_replace, options.frames,
                                                   record_parts(state_->setup.path.bit, state_->setup.options));
+  state_->record_waits = options.waits;
 }
 
-void Session::end_record() {
-  if (!state_->record) return;
+std::uint64_t Session::end_record() {
+  if (!state_->record) return 0;
   const std::unique_ptr<RecordWriter> record = std::move(state_->record);
   record->close(state_->built.session->events());
+  return record->lost();
 }
 
 void Session::end_hole() {

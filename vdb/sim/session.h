@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include "core/base/progress.h"
 #include "core/session/drill_session.h"
+#include "core/session/real_time/real_time.h"
 #include "core/session/record/session_record.h"
 #include "core/session/session_setup.h"
 #include "vdb/remaining/surface_block.h"
@@ -17,6 +19,14 @@
 namespace spinaltap {
 
 class VoxelBone;
+
+/// How a session's cycles are recorded.
+struct RecordOptions {
+  std::map<std::string, std::string> words = {};  ///< beside the setup: who moved the tool, and how
+  std::optional<FrameFormat> frames = {};         ///< that the record also takes, with record_view(): what cameras see
+  bool may_replace = false;                       ///< a file that is there
+  bool waits = true;  ///< for the disk; else a cycle that comes too fast for it is lost, and counted: for real time
+};
 
 /// A bone being drilled, along one planned path or by a free hand: owns all it stands on, and is what DrillSession is,
 /// with the hole, its surface, undo and a record besides. One thread at a time.
@@ -32,7 +42,10 @@ class Session {
  public:
   /// `setup`: all that decides what a session does; its path and its bones' fingerprints are taken from `bone` and
   /// `path`. Throws Error where the path misses the bone, and on options that make no sense.
-  Session(Bone bone, const DrillPath& path, const SessionSetup& setup = {}, const Progress& progress = {});
+  /// `alike`: a session of the same bone whose distances to walls are taken over where it has the same path, which
+  /// saves working them out again; may be null.
+  Session(Bone bone, const DrillPath& path, const SessionSetup& setup = {}, const Progress& progress = {},
+          const Session* alike = nullptr);
   /// Through several bones of one patient, in voxels: the path is the first's, the tool takes what it meets of all.
   /// Throws Error where an engine of points is asked for with more than one.
   Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup = {},
@@ -57,6 +70,11 @@ class Session {
   std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
   /// An operator (planned motion, recorded poses, a pushing operator) until it ends.
   void run(Operator& tool, const CycleObserver& observe = {}, const Progress& progress = {});
+  /// The same against the clock, in threads for tool, collision and display: see spinaltap::run_real_time(). A record
+  /// that waits for the disk (RecordOptions) may make a cycle late.
+  RealTimeReport run_real_time(Operator& tool, const RealTimeOptions& pace, const CycleObserver& observe = {},
+                               const DisplayTask& display = {}, const ForceTask& output = {},
+                               const Progress& progress = {});
 
   /// Another tool from the next cycle on, which has come from nowhere: a pedal changes a burr. At any time; time, cycle
   /// and events go on, a record takes it, and the next hole begins with it. Allocates: milliseconds, not for a thread
@@ -76,11 +94,11 @@ class Session {
   bool is_stopped() const;
 
   /// From here on each cycle goes to a record, an HDF5 file that replay() and `spinaltap replay` run again. Throws
-  /// Error after the first cycle, and where the file cannot be made or is there already. `frames`: the record also
-  /// takes what cameras of this size see, with record_view().
-  void record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames = {});
-  /// Writes what is left, and marks the record as whole. Throws Error when the disk is full.
-  void end_record();
+  /// Error after the first cycle, and where the file cannot be made or is there already.
+  void record(const std::filesystem::path& file, const RecordOptions& options = {});
+  /// Writes what is left, and marks the record as whole. Gives how many cycles were lost. Throws Error when the disk is
+  /// full.
+  std::uint64_t end_record();
 
   /// What is drilled from here on is another hole; the bit has come from nowhere. Ends a record.
   void end_hole();
@@ -121,6 +139,9 @@ class Session {
 
  private:
   struct State;
+
+  CycleObserver noting(const CycleObserver& observe);
+
   std::unique_ptr<State> state_;
 };
 

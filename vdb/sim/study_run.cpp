@@ -13,9 +13,7 @@
 #include "core/session/choose_engine.h"
 #include "core/study/study_task.h"
 #include "core/tool/plate.h"
-#include "vdb/engine/voxel_bone.h"
 #include "vdb/sim/bone_path.h"
-#include "vdb/sim/detail/bone_volumes.h"
 
 namespace spinaltap {
 namespace {
@@ -205,14 +203,12 @@ StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, std::size_t scre
 }
 
 void StudyBench::fill(double reach_mm, const Progress& progress) {
-  const DrillPath longer = with_lead_out(path_, spec_.lead_out_mm);
-  if (spec_.engine == EngineKind::voxel) {
-    whole_.voxels = std::make_unique<VoxelBone>(
-        bone_.model(), VoxelBoneOptions{spec_.volume.spacing_mm, box_of(longer, spec_.volume)}, progress);
-  } else {
-    whole_.volumes.emplace_back(longer, spec_.volume);
-    fill_volume(whole_.volumes.front(), sampler_of(bone_.model()), progress);
-  }
+  SessionSetup setup;
+  setup.path = with_lead_out(path_, spec_.lead_out_mm);
+  setup.volume = spec_.volume;
+  setup.engine = spec_.engine;
+  if (spec_.engine == EngineKind::voxel) setup.region_mm = box_of(setup.path, spec_.volume);
+  whole_ = DrilledBone(bone_.model(), setup, nullptr, progress);
   progress.report("clearances", 0.0);
   // Where bits may be, and a little more.
   constexpr double kSpareMm = 2.0;

@@ -14,8 +14,8 @@
 #include "core/files/material_file.h"
 #include "core/files/thermal_bone_file.h"
 #include "core/session/choose_engine.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/operator/recorded_motion.h"
-#include "core/session/record/session_record.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/sim/drilling.h"
 
@@ -23,13 +23,6 @@ namespace spinaltap {
 namespace {
 
 constexpr double kFurtherMm = 20.0;  // operators may go further than the target
-
-/// What one hole has worked out about walls along its path, where another has the same.
-const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
-  const bool is_same =
-      path.entry_mm == other.entry_mm && path.target_mm == other.target_mm && path.via_mm == other.via_mm;
-  return is_same ? built.clearances.get() : nullptr;
-}
 
 OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& setup, const Bone& bone,
                            NavigationSource* source, const Progress& progress) {
@@ -88,9 +81,7 @@ PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setu
                        source ? ExpectedWay{.is_free = true} : tool_operator.expected_way())),
       choice_(std::move(tool_operator)),
       source_(std::move(source)),
-      built_(
-          build_session(*bone_->bone, setup_, progress, nullptr,
-                        other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
+      session_(*bone_->bone, setup_.path, setup_, progress, other == nullptr ? nullptr : &other->session_),
       log_(DrillingOptions().log_step_mm, setup_.material,
            setup_.volume.lead_in_mm + setup_.path.length_mm() + kFurtherMm) {
   // Last: a device or a link that waits is not to wait for the bone as well.
@@ -109,16 +100,16 @@ void PlayedHole::stop() {
 
 bool PlayedHole::step() {
   if (!operator_.tool_operator) return false;
-  const std::optional<ToolInput> input = operator_.tool_operator->next(built_.session->feedback());
+  const std::optional<ToolInput> input = operator_.tool_operator->next(session_.feedback());
   if (!input) {
     is_over_ = true;
     return false;
   }
-  const Cycle& cycle = built_.session->step(*input);
+  const Cycle& cycle = session_.step_input(*input);
   inputs_.push_back(*input);
   removed_ += cycle.step.removed;
   log_.add(cycle, std::numeric_limits<double>::quiet_NaN());  // a clock would make other rows of the same cycles
-  if (source_) source_->tell(*built_.session);
+  if (source_) source_->tell(session_);
   return true;
 }
 
@@ -146,19 +137,11 @@ std::size_t PlayedHole::cycles_before(double seconds) const {
 DrilledHole PlayedHole::drilled() const { return hole_of(inputs_, setup_); }
 
 void write_record(const DoneDrilling& drilling, const std::filesystem::path& path, const Progress& progress) {
-  SessionSetup setup = drilling.setup;
-  setup.bone_hash = drilling.bone->bone->hash();
-  BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
-  DrillSession& session = *built.session;
+  Session session(*drilling.bone->bone, drilling.setup.path, drilling.setup, progress);
+  session.record(path, {.words = record_words(drilling.operator_words, "planner"), .may_replace = true});
   RecordedMotion tool_operator(drilling.inputs, false);
-  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true, {},
-                      record_parts(setup.path.bit, setup.options));
-  const auto observe = [&](const Cycle& cycle) {
-    record.add_waiting(cycle);
-    record.add_events(session.events());
-  };
-  run_session(session, tool_operator, observe, progress);
-  record.close(session.events());
+  session.run(tool_operator, {}, progress);
+  session.end_record();
 }
 
 void write_report(const DoneDrilling& drilling, const std::filesystem::path& folder, const Progress& progress) {

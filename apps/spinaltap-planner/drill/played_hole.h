@@ -14,7 +14,7 @@
 #include "core/base/progress.h"
 #include "core/session/depth_log.h"
 #include "core/session/operator/milling.h"
-#include "vdb/sim/build_session.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 
@@ -74,8 +74,8 @@ class PlayedHole {
   const SessionSetup& setup() const { return setup_; }
   /// One for each cycle.
   const std::vector<ToolInput>& inputs() const { return inputs_; }
-  const Cycle& last() const { return built_.session->last(); }
-  std::span<const SessionEvent> events() const { return built_.session->events(); }
+  const Cycle& last() const { return session_.last(); }
+  std::span<const SessionEvent> events() const { return session_.events(); }
   std::size_t removed() const { return removed_; }
   /// The rows that are whole.
   const std::vector<DepthRow>& rows() const { return log_.rows(); }
@@ -90,7 +90,7 @@ class PlayedHole {
   OperatorChoice choice_;
   std::shared_ptr<NavigationSource> source_;
   OperatorPlan operator_;
-  BuiltSession built_;
+  Session session_;
   DepthLog log_;
   std::vector<ToolInput> inputs_;
   std::size_t removed_ = 0;

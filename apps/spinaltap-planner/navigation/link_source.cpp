@@ -105,7 +105,7 @@ OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progre
   return plan;
 }
 
-void LinkSource::tell(const DrillSession& session) {
+void LinkSource::tell(const Session& session) {
   if (!server_) return;
   const Cycle& cycle = session.last();
   LinkOutput output = output_of(session, cycle);

@@ -20,7 +20,7 @@ class LinkSource final : public NavigationSource {
   void prepare(SessionSetup& setup) const override;
   /// Listens, or connects, and waits for the first pose of the tool.
   OperatorPlan begin(const SessionSetup& setup, const Progress& progress) override;
-  void tell(const DrillSession& session) override;
+  void tell(const Session& session) override;
   void end() override;
 
  private:

@@ -4,8 +4,8 @@
 
 #include "apps/report/operator_choice.h"
 #include "core/base/progress.h"
-#include "core/session/drill_session.h"
 #include "core/session/session_setup.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 
@@ -24,7 +24,7 @@ class NavigationSource {
   /// Opens it, and waits until it says where the tool is: from any thread, cancelled by `progress`. Throws Error.
   virtual OperatorPlan begin(const SessionSetup& setup, const Progress& progress) = 0;
   /// After each cycle, in the thread that drills: what to tell others.
-  virtual void tell(const DrillSession& /*session*/) {}
+  virtual void tell(const Session& /*session*/) {}
   /// The hole is done: devices and ports are let go, those of the operator with it. Nothing happens a second time.
   virtual void end() {}
   /// A hand, or somebody elsewhere: nobody can have the same again but from its inputs.

@@ -26,9 +26,10 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/base/text_writer.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/real_time/thread_rights.h"
 #include "vdb/sim/bone.h"
-#include "vdb/sim/build_session.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 namespace {
@@ -212,7 +213,7 @@ struct RoundTrips {
 
 RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options, const Progress& progress) {
   const SessionSetup setup = bench_setup();
-  BuiltSession built = build_session(bone, setup, progress);
+  Session session(bone, setup.path, setup, progress);
   LinkServer server(bench_server());
   LinkMesh mesh(bone.model(), setup.path.bit, setup.options.max_jump_mm, server, {.kind = LinkMeshKind::blocks});
   RoundTrips trips;
@@ -244,8 +245,7 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
   loop.rate_hz = options.rate_hz;
   loop.longest_s = options.seconds + 1.0;
   trips.loop = run_link(
-      *built.session, server, loop,
-      [&](const Cycle& cycle) { mesh.take(cutting_input(cycle, built.session->options())); }, progress);
+      session, server, loop, [&](const Cycle& cycle) { mesh.take(cutting_input(cycle, setup.options)); }, progress);
   ends = true;
   client_thread.end();
   if (nonsense) {
@@ -265,7 +265,7 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
 std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
   SessionSetup setup = bench_setup();
   setup.options.stop.thrust_n = 2.0;
-  BuiltSession built = build_session(bone, setup, progress);
+  Session session(bone, setup.path, setup, progress);
   LinkServer server(bench_server());
   ClientThread client_thread(server.port(), [&](BenchClient& client) {
     const std::int64_t start_ns = wall_ns();
@@ -277,7 +277,7 @@ std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
   });
   LinkLoopOptions loop;
   loop.longest_s = 1.0;
-  run_link(*built.session, server, loop, {}, progress);
+  run_link(session, server, loop, {}, progress);
   client_thread.end();
   const LinkReport report = server.end();
   return report.stops > 0 ? std::optional(report.stop_time.max_us) : std::nullopt;

@@ -20,13 +20,13 @@
 #include "apps/link/link_loop.h"
 #include "core/base/error.h"
 #include "core/files/json_file.h"
-#include "tests/support/drill_block.h"
+#include "tests/support/analytic_bodies.h"
 #include "tests/unit/apps/link/link_peer.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 namespace {
 
-using test::DrillBlock;
 using test::LinkTestPeer;
 using testing::HasSubstr;
 
@@ -34,22 +34,42 @@ LinkServerOptions quiet_options() {
   return {.port = 0, .state_rate_hz = 50.0, .patience_s = 0.4, .wants_priority = false};
 }
 
-/// A block of bone 20 mm deep, a session that drills it, and the loop of the link.
+/// A ball of bone far from the origin, and a path through its middle, oblique to all axes.
+struct BallToDrill {
+  DrillPath path{"block", kEntryMm, kEntryMm + 20.0 * kInto, twist_drill(3.0, 60.0, 118.0, 0.48)};
+  Bone bone{test::bake_ball({kEntryMm + 12.0 * kInto, 12.0}, 0.5, 400)};
+
+  Session session(const StopRules& stop = {}) const {
+    SessionSetup setup;
+    setup.engine = EngineKind::ring;
+    setup.volume = {.radius_mm = 2.5, .spacing_mm = 0.1, .lead_in_mm = 2.0};
+    setup.options.stop = stop;
+    setup.has_clearances = false;
+    return Session(bone, path, setup);
+  }
+  Pose at(double depth_mm) const { return {kEntryMm + depth_mm * kInto, kInto}; }
+
+ private:
+  static inline const Vec3 kEntryMm{31.0, 212.0, -618.0};
+  static inline const Vec3 kInto = Vec3(-0.36, -0.8, 0.48).normalized();
+};
+
+/// The ball, a session that drills it, and the loop of the link.
 class LinkedBlock {
  public:
   explicit LinkedBlock(const LinkServerOptions& server = quiet_options(), const StopRules& stop = {},
                        double stale_s = 0.5)
-      : session_(block_.session(options(stop))), server_(server) {
+      : session_(ball_.session(stop)), server_(server) {
     loop_.longest_s = 120.0;
     loop_.wants_priority = false;
     loop_.tracking.stale_s = stale_s;
     thread_ = std::thread([this] {
       report_ = run_link(
-          *session_, server_, loop_,
+          session_, server_, loop_,
           [this](const Cycle& cycle) {
             const std::lock_guard lock(mutex_);
             cycles_.push_back(cycle);
-            is_stopped_ = session_->is_stopped();
+            is_stopped_ = session_.is_stopped();
           },
           progress_);
     });
@@ -71,7 +91,7 @@ class LinkedBlock {
 
   std::uint16_t port() const { return server_.port(); }
   LinkServer& server() { return server_; }
-  LinkTransform at(double depth_mm) const { return bit_in_ras(block_.at(depth_mm)); }
+  LinkTransform at(double depth_mm) const { return bit_in_ras(ball_.at(depth_mm)); }
   std::vector<Cycle> cycles() {
     const std::lock_guard lock(mutex_);
     return cycles_;
@@ -81,17 +101,11 @@ class LinkedBlock {
     const std::lock_guard lock(mutex_);
     return is_stopped_;
   }
-  const DrillBlock& block() const { return block_; }
+  const BallToDrill& ball() const { return ball_; }
 
  private:
-  static SessionOptions options(const StopRules& stop) {
-    SessionOptions options;
-    options.stop = stop;
-    return options;
-  }
-
-  DrillBlock block_{[](double depth_mm) { return depth_mm >= 0.0 ? 400.0 : std::nan(""); }};
-  std::unique_ptr<DrillSession> session_;
+  BallToDrill ball_;
+  Session session_;
   LinkServer server_;
   LinkLoopOptions loop_;
   Progress progress_{[](std::string_view, double) {}};
@@ -170,8 +184,8 @@ TEST(LinkServer, DrillsWithOpenIGTLinksOwnClient) {
   EXPECT_LT(max_off_mm, 1e-4);  // of floats some 600 mm away
   const std::vector<Cycle> cycles = linked.cycles();
   ASSERT_EQ(cycles.size(), 50U);
-  EXPECT_LT((cycles.back().pose.tip_mm - linked.block().at(-1.0 + 0.05 * 49).tip_mm).norm(), 1e-4);
-  EXPECT_LT((ras_from_lps(linked.block().at(2.0).tip_mm) - tip_mm).norm(), 1e-9);
+  EXPECT_LT((cycles.back().pose.tip_mm - linked.ball().at(-1.0 + 0.05 * 49).tip_mm).norm(), 1e-4);
+  EXPECT_LT((ras_from_lps(linked.ball().at(2.0).tip_mm) - tip_mm).norm(), 1e-9);
   EXPECT_GT(cycles.back().force.thrust_n, 1.0);
   EXPECT_EQ(linked.network().refused_in_all(), 0U);
 }
@@ -183,11 +197,11 @@ TEST(LinkServer, CutsWhatTheSameWayCutsWithoutALink) {
   linked.end();
   std::size_t removed = 0;
   for (const Cycle& cycle : linked.cycles()) removed += cycle.step.removed;
-  DrillBlock alone{[](double depth_mm) { return depth_mm >= 0.0 ? 400.0 : std::nan(""); }};
-  const auto session = alone.session();
+  const BallToDrill alone;
+  Session session = alone.session();
   std::size_t expected = 0;
   for (int n = 0; n < 200; ++n)
-    expected += session->step(alone.input(-1.0 + 5.0 * (n + 1) / 200.0, n > 0)).step.removed;
+    expected += session.step_input({alone.at(-1.0 + 5.0 * (n + 1) / 200.0), n > 0}).step.removed;
   // Floats shift the tip by 3e-5 mm; the points of a disc, 0.1 mm apart, lie on the tip's side or not.
   EXPECT_NEAR(static_cast<double>(removed), static_cast<double>(expected), 0.01 * static_cast<double>(expected));
   EXPECT_GT(expected, 10'000U);
@@ -480,13 +494,12 @@ TEST(ForceShare, FallsToNothingWithinFiftyMilliseconds) {
 }
 
 TEST(RunLink, RejectsRatesAndTimesThatMakeNoSense) {
-  DrillBlock block{[](double) { return 400.0; }};
-  const auto session = block.session();
+  Session session = BallToDrill().session();
   LinkServer server(quiet_options());
-  EXPECT_THROW(run_link(*session, server, {.rate_hz = 0.0}), Error);
-  EXPECT_THROW(run_link(*session, server, {.rate_hz = std::nan("")}), Error);
-  EXPECT_THROW(run_link(*session, server, {.longest_s = 0.0}), Error);
-  EXPECT_THROW(run_link(*session, server, {.tracking = {.stale_s = -1.0}}), Error);
+  EXPECT_THROW(run_link(session, server, {.rate_hz = 0.0}), Error);
+  EXPECT_THROW(run_link(session, server, {.rate_hz = std::nan("")}), Error);
+  EXPECT_THROW(run_link(session, server, {.longest_s = 0.0}), Error);
+  EXPECT_THROW(run_link(session, server, {.tracking = {.stale_s = -1.0}}), Error);
 }
 
 }  // namespace

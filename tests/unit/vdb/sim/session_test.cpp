@@ -366,7 +366,7 @@ TEST(Session, PutsViewsIntoItsRecordBesideTheCycles) {
   const Camera camera = camera_at_entry();
   Session session(ball(), path(), setup());
   EXPECT_THAT([&] { session.record_view(camera); }, ThrowsMessage<Error>(HasSubstr("begin one first")));
-  session.record(file, FrameFormat{camera.width, camera.height});
+  session.record(file, {.frames = FrameFormat{camera.width, camera.height}});
   EXPECT_THAT([&] { session.record_view(camera); }, ThrowsMessage<Error>(HasSubstr("after the first cycle")));
   std::vector<View> seen;
   for (const ToolInput& input : straight_in(300)) {

@@ -17,6 +17,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/recorded_setup.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/operator/path_motion.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/error_of.h"

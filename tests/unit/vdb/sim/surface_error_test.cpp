@@ -7,6 +7,7 @@
 #include "core/phantom/scanner.h"
 #include "tests/support/release_only.h"
 #include "tests/support/surface_distance.h"
+#include "tests/support/test_kind.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/bone.h"
 
@@ -91,6 +92,8 @@ double told_over_measured(const Egg& egg, const Case& one) {
 const Vec3 kRoundMm(13.0, 10.0, 11.0);       // half across; as curved as a body
 const Vec3 kSlenderMm(12.0, 6.0, 7.0);       // as a wide pedicle
 const Vec3 kOtherSlenderMm(11.0, 4.5, 7.5);  // as a thoracic one
+
+WHOLE_RUNS("CtSurfaceErrorOfScans.TellsTheBakedSurfacesDistanceFromTheTruth");
 
 TEST(CtSurfaceErrorOfScans, TellsTheBakedSurfacesDistanceFromTheTruth) {
   RELEASE_ONLY();

@@ -18,6 +18,7 @@
 
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/record/session_record.h"
 #include "tests/support/analytic_bodies.h"
