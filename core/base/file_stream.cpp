@@ -1,5 +1,4 @@
-// zlib's gz functions read plain files too, and unlike gunzip() they need neither the packed nor the unpacked content
-// as a whole in memory.
+// zlib's gz functions read plain files too, and need neither the packed nor the unpacked content as a whole in memory.
 
 #include "core/base/file_stream.h"
 

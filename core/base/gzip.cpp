@@ -47,33 +47,4 @@ std::string gzip(std::string_view data) {
   return result;
 }
 
-std::string gunzip(std::string_view data, std::size_t size) {
-  z_stream stream{};
-  if (inflateInit2(&stream, kGzipFormat) != Z_OK) fail("gzip: not enough memory");
-  // One byte more than expected shows a stream that holds too much.
-  std::string result(size + 1, '\0');
-  std::size_t taken = 0;
-  std::size_t made = 0;
-  int status = Z_OK;
-  while (status == Z_OK && made < result.size()) {
-    const uInt in = next_piece(data.size() - taken);
-    const uInt out = next_piece(result.size() - made);
-    stream.next_in = zlib_bytes(data.data() + taken);
-    stream.avail_in = in;
-    stream.next_out = zlib_bytes(result.data() + made);
-    stream.avail_out = out;
-    status = inflate(&stream, Z_NO_FLUSH);
-    taken += in - stream.avail_in;
-    made += out - stream.avail_out;
-    if (status == Z_BUF_ERROR || (status == Z_OK && taken == data.size() && made < result.size())) break;
-  }
-  inflateEnd(&stream);
-  if (status != Z_STREAM_END || made != size) {
-    fail("expected a gzip stream of ", size, " bytes, found ",
-         status == Z_STREAM_END || made > size ? "one of another size" : "a damaged one or one cut short");
-  }
-  result.resize(size);
-  return result;
-}
-
 }  // namespace spinaltap

@@ -234,8 +234,4 @@ std::string describe(const TrunkOptions& options) {
   return text.str();
 }
 
-CtVolume scan_trunk(const Spine& spine, const TrunkOptions& options, const Progress& progress) {
-  return scan(spine, TrunkTissue(spine, options.tissue), options.scan, progress);
-}
-
 }  // namespace spinaltap

@@ -24,7 +24,4 @@ TrunkOptions random_trunk_options(std::uint64_t seed);
 /// What is out of the ordinary: "crushed T8 0.42/0.90; cement L1; sharpness 2.1"; for lists of results.
 std::string describe(const TrunkOptions& options);
 
-/// Scans a spine made from `options.spine` as the options say.
-CtVolume scan_trunk(const Spine& spine, const TrunkOptions& options, const Progress& progress = {});
-
 }  // namespace spinaltap

@@ -80,9 +80,4 @@ SpineGroundTruth spine_ground_truth(const Spine& spine) {
   return ground_truth;
 }
 
-double cobb_deg(const LevelGroundTruth& above, const LevelGroundTruth& below) {
-  const auto tilt = [](const Vec3& normal) { return std::atan2(normal.x(), normal.z()) / kDegree; };
-  return tilt(above.superior_normal) - tilt(below.inferior_normal);
-}
-
 }  // namespace spinaltap

@@ -38,8 +38,4 @@ struct SpineGroundTruth {
 /// Works out the ground truth of a spine made from SpineOptions; empty for any other bodies.
 SpineGroundTruth spine_ground_truth(const Spine& spine);
 
-/// Cobb's angle between two levels, degrees: between the upper endplate of the one above and the lower one of the
-/// other, seen from the front of the upright patient. Above 0: convex to the right.
-double cobb_deg(const LevelGroundTruth& above, const LevelGroundTruth& below);
-
 }  // namespace spinaltap

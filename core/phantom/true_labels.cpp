@@ -38,18 +38,6 @@ void visit_near(const GridGeometry& geometry, const Block& block, const Value& v
   visit_near(geometry, second, value_mm, visit);
 }
 
-/// visit_near() for the whole grid, on many threads.
-template <class Value, class Visit>
-void visit_grid(const GridGeometry& geometry, const Value& value_mm, const Visit& visit) {
-  constexpr int kSlab = 4;
-  const int slabs = (geometry.size[2] + kSlab - 1) / kSlab;
-  tbb::parallel_for(0, slabs, [&](int slab) {
-    const Block block{{0, 0, slab * kSlab},
-                      {geometry.size[0], geometry.size[1], std::min((slab + 1) * kSlab, geometry.size[2])}};
-    visit_near(geometry, block, value_mm, visit);
-  });
-}
-
 }  // namespace
 
 LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry) {
@@ -60,8 +48,14 @@ LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry) {
     spine.evaluate({&p, 1}, {&value, 1}, {});
     return value;
   };
-  visit_grid(geometry, value_mm, [&](int i, int j, int k) {
-    volume.labels[geometry.offset(i, j, k)] = spine.label_at(geometry.to_patient(Vec3(i, j, k)));
+  constexpr int kSlab = 4;
+  const int slabs = (geometry.size[2] + kSlab - 1) / kSlab;
+  tbb::parallel_for(0, slabs, [&](int slab) {
+    const Block block{{0, 0, slab * kSlab},
+                      {geometry.size[0], geometry.size[1], std::min((slab + 1) * kSlab, geometry.size[2])}};
+    visit_near(geometry, block, value_mm, [&](int i, int j, int k) {
+      volume.labels[geometry.offset(i, j, k)] = spine.label_at(geometry.to_patient(Vec3(i, j, k)));
+    });
   });
   std::array<bool, 256> occurs{};
   for (const std::uint8_t label : volume.labels) occurs[label] = true;
@@ -77,15 +71,6 @@ LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry) {
     }
   }
   return volume;
-}
-
-BoneMask true_mask(const Spine& spine, std::size_t part, const GridGeometry& geometry) {
-  BoneMask mask{geometry, std::vector<std::uint8_t>(geometry.voxel_count(), 0)};
-  const auto value_mm = [&](const Vec3& p) { return spine.part_value_mm(part, p); };
-  visit_grid(geometry, value_mm, [&](int i, int j, int k) {
-    if (value_mm(geometry.to_patient(Vec3(i, j, k))) < 0.0) mask.inside[geometry.offset(i, j, k)] = 1;
-  });
-  return mask;
 }
 
 }  // namespace spinaltap

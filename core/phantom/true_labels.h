@@ -10,7 +10,4 @@ namespace spinaltap {
 /// other bones kOtherBoneLabel, "other bone". The same at any number of threads.
 LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry);
 
-/// The voxels whose centres lie in one body.
-BoneMask true_mask(const Spine& spine, std::size_t part, const GridGeometry& geometry);
-
 }  // namespace spinaltap

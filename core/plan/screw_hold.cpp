@@ -174,14 +174,6 @@ double DensityPowerLaw::mpa(double density_g_cm3) const {
   return density_g_cm3 > 0.0 ? at_reference_mpa * std::pow(density_g_cm3 / reference_g_cm3, exponent) : 0.0;
 }
 
-HoldModel foam_hold_model() {
-  HoldModel model;
-  model.shear = {4.3, 0.32, std::log2(4.3 / 1.6)};
-  model.crushing = {8.4, 0.32, std::log2(8.4 / 2.2)};
-  model.modulus = {210.0, 0.32, std::log2(210.0 / 58.0)};
-  return model;
-}
-
 void check_hold_model(const HoldModel& model) {
   const auto within = [](double value, double lowest, double highest, const char* what) {
     check_range(value, lowest, highest, "screw's hold", what);

@@ -39,10 +39,6 @@ struct HoldModel {
   double model_spread = 0.10;     ///< of Chapman's formula itself: R² 0.947 over twelve screws (Chapman et al. 1996)
 };
 
-/// Rigid polyurethane foam as ASTM F1839 grades it, 0.08 to 0.64 g/cm³: power laws through the data sheet of solid foam
-/// blocks at 10 and 20 pcf (shear 1.6 and 4.3 MPa, compression 2.2 and 8.4 MPa, modulus 58 and 210 MPa).
-HoldModel foam_hold_model();
-
 /// Rejects values that are not finite or make no sense.
 void check_hold_model(const HoldModel& model);
 

@@ -118,17 +118,6 @@ double StarSurface::volume_mm3() const {
   return sum * 4.0 * std::numbers::pi / (3.0 * static_cast<double>(radii_mm_.size()));
 }
 
-Vec3 StarSurface::centroid_mm() const {
-  Vec3 moment = Vec3::Zero();
-  double volume = 0.0;
-  for (std::size_t i = 0; i < radii_mm_.size(); ++i) {
-    const double cube = radii_mm_[i] * radii_mm_[i] * radii_mm_[i];
-    moment += 0.25 * cube * radii_mm_[i] * directions_[i];
-    volume += cube / 3.0;
-  }
-  return volume > 0.0 ? Vec3(centre_mm_ + moment / volume) : centre_mm_;
-}
-
 double StarSurface::largest_radius_mm() const { return *std::max_element(radii_mm_.begin(), radii_mm_.end()); }
 
 std::vector<int> choose_steps(const StarSurface& surface, const StarCost& cost, int rounds) {

@@ -26,8 +26,6 @@ class StarSurface {
   /// Depth below the surface along the ray from the centre, mm; negative outside.
   double depth_mm(const Vec3& p_patient) const;
   double volume_mm3() const;
-  /// Centre of mass of what the surface holds, patient LPS, mm.
-  Vec3 centroid_mm() const;
   double largest_radius_mm() const;
 
  private:

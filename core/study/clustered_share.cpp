@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/random.h"
 
 namespace spinaltap {
 namespace {
@@ -79,29 +78,6 @@ ClusteredShare clustered_share(std::span<const PatientCount> patients) {
   made.effective_runs = made.is_of_one_patient ? static_cast<double>(made.runs) : effective_runs(kept, made);
   const double quantile = made.is_of_one_patient ? normal_quantile(kUpper) : quantile_for(made.patients);
   made.interval = wilson(made.share, made.effective_runs, quantile);
-  return made;
-}
-
-ClusteredShare bootstrap_share(std::span<const PatientCount> patients, int resamples, std::uint64_t seed) {
-  constexpr int kFewest = 100, kMost = 100000;
-  if (resamples < kFewest || resamples > kMost) {
-    fail("share of runs: expected ", kFewest, " to ", kMost, " resamples, found ", resamples);
-  }
-  const std::vector<PatientCount> kept = checked(patients);
-  ClusteredShare made = share_of(kept);
-  made.effective_runs = made.is_of_one_patient ? static_cast<double>(made.runs) : effective_runs(kept, made);
-  std::vector<double> shares;
-  std::vector<PatientCount> drawn(kept.size());
-  for (int n = 0; n < resamples; ++n) {
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-      const double u = random_uniform(seed, static_cast<std::uint64_t>(n) * kept.size() + k);
-      const auto patient = static_cast<std::size_t>(u * static_cast<double>(kept.size()));
-      drawn[k] = kept[std::min(patient, kept.size() - 1)];  // a product may be rounded up
-    }
-    shares.push_back(share_of(drawn).share);
-  }
-  std::sort(shares.begin(), shares.end());
-  made.interval = {quantile(shares, 1.0 - kUpper), quantile(shares, kUpper)};
   return made;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include "core/base/statistics.h"
@@ -32,16 +31,12 @@ struct ClusteredShare {
 /// Student's quantile for the patients, as surveys do (Korn & Graubard, "Confidence intervals for proportions with
 /// small expected number of positive counts estimated from survey data", Survey Methodol. 1998; Dean & Pagano,
 /// "Evaluating confidence interval methods for binomial proportions in clustered surveys", J. Surv. Stat. Methodol.
-/// 2015). A bootstrap over patients would be the plain choice, and is bootstrap_share(): where no run has the property
-/// it gives 0 to 0, and with 5 patients it holds the truth in 30 to 85 % of cases instead of 95. Where none or all have
-/// it, nothing tells how alike runs of one patient are, and each patient counts as one run. With one patient: Wilson's
-/// of its runs. With two or three it is right and too wide to be of use. docs/study-statistics.md has how often it
-/// holds the truth, and where it falls short: at shares of a few percent that are all a few patients'. Throws Error on
-/// more met than runs, and on no runs at all.
+/// 2015). A bootstrap over patients would be the plain choice: where no run has the property it gives 0 to 0, and with
+/// 5 patients it holds the truth in 30 to 85 % of cases instead of 95. Where none or all have it, nothing tells how
+/// alike runs of one patient are, and each patient counts as one run. With one patient: Wilson's of its runs. With two
+/// or three it is right and too wide to be of use. docs/study-statistics.md has how often it holds the truth, and where
+/// it falls short: at shares of a few percent that are all a few patients'. Throws Error on more met than runs, and on
+/// no runs at all.
 ClusteredShare clustered_share(std::span<const PatientCount> patients);
-
-/// The same by a percentile bootstrap over patients, for comparison. Throws Error as clustered_share() does, and on
-/// other than 100 to 100,000 resamples.
-ClusteredShare bootstrap_share(std::span<const PatientCount> patients, int resamples = 1000, std::uint64_t seed = 1);
 
 }  // namespace spinaltap

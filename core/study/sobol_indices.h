@@ -10,10 +10,6 @@
 
 namespace spinaltap {
 
-/// How many runs say how much each group of inputs matters: in each block one with all inputs of a draw A, one with all
-/// of a draw B, and one a group with its inputs of B and the rest of A, in this order.
-constexpr std::size_t sobol_runs(std::size_t blocks, std::size_t groups) { return blocks * (groups + 2); }
-
 struct SobolOptions {
   int resamples = 1000;  ///< of the intervals' bootstrap: 100 to 100,000
   std::uint64_t seed = 1;
@@ -34,18 +30,18 @@ struct SobolIndices {
   std::vector<SobolIndex> groups;
 };
 
-/// Sobol's indices of groups of inputs, from the outputs of sobol_runs() runs: those of block b begin at b * (groups +
-/// 2). The design is that of Saltelli et al., "Variance based sensitivity analysis of model output", Comput. Phys.
-/// Commun. 2010; total by Jansen, "Analysis of variance designs for model output", the same journal 1999. First order:
-/// the covariance of B with the group's runs over the mean of their variances (Janon, Klein, Lagnoux, Nodet & Prieur,
-/// "Asymptotic normality and efficiency of two Sobol index estimators", ESAIM Probab. Stat. 2014), less what A and B,
-/// which share nothing, agree in by chance. Saltelli's own formula takes that off whole; here it has the weight 1 -
-/// total, the share of A that is still in the group's runs, which makes the largest index 3 times as sure. Intervals
-/// are percentiles of a bootstrap over blocks, expanded for their number; docs/study-statistics.md has how often they
-/// hold the truth. Where the output does not vary, indices and intervals are not numbers; where it varies in so few
-/// blocks that resamples may hold none of them, intervals are 0 to 1. Bit for bit the same at any thread count. Throws
-/// Error on outputs that are not finite or not whole blocks, on no groups, on fewer than kMinSobolBlocks blocks, and on
-/// options out of range.
+/// Sobol's indices of groups of inputs, from the outputs of blocks of groups + 2 runs: one with all inputs of a draw A,
+/// one with all of a draw B, and one a group with its inputs of B and the rest of A, in this order. The design is that
+/// of Saltelli et al., "Variance based sensitivity analysis of model output", Comput. Phys. Commun. 2010; total by
+/// Jansen, "Analysis of variance designs for model output", the same journal 1999. First order: the covariance of B
+/// with the group's runs over the mean of their variances (Janon, Klein, Lagnoux, Nodet & Prieur, "Asymptotic normality
+/// and efficiency of two Sobol index estimators", ESAIM Probab. Stat. 2014), less what A and B, which share nothing,
+/// agree in by chance. Saltelli's own formula takes that off whole; here it has the weight 1 - total, the share of A
+/// that is still in the group's runs, which makes the largest index 3 times as sure. Intervals are percentiles of a
+/// bootstrap over blocks, expanded for their number; docs/study-statistics.md has how often they hold the truth. Where
+/// the output does not vary, indices and intervals are not numbers; where it varies in so few blocks that resamples may
+/// hold none of them, intervals are 0 to 1. Bit for bit the same at any thread count. Throws Error on outputs that are
+/// not finite or not whole blocks, on no groups, on fewer than kMinSobolBlocks blocks, and on options out of range.
 SobolIndices sobol_indices(std::span<const double> outputs, std::size_t groups, const SobolOptions& options = {},
                            const Progress& progress = {});
 

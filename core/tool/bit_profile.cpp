@@ -267,12 +267,6 @@ bool BitProfile::contains(double back_mm, double off_axis_squared_mm2) const noe
   return contains_inlined(back_mm, off_axis_squared_mm2);
 }
 
-bool bit_contains(const BitProfile& bit, const Pose& pose, const Vec3& p) {
-  const Vec3 from_tip_mm = p - pose.tip_mm;
-  const double back_mm = -from_tip_mm.dot(pose.axis);
-  return bit.contains(back_mm, (from_tip_mm + back_mm * pose.axis).squaredNorm());
-}
-
 double bit_distance_mm(const BitProfile& bit, const Pose& pose, const Vec3& p) {
   const Vec3 from_tip_mm = p - pose.tip_mm;
   const double back_mm = -from_tip_mm.dot(pose.axis);

@@ -48,7 +48,9 @@ class BitProfile {
   /// the way.
   BitProfile lengthened(double way_mm) const;
 
-  /// Whether the bit holds points there. The surface counts as inside.
+  /// Whether the bit holds points there. The surface counts as inside. For a drill this is the paper's algorithm 1,
+  /// with the cone's factor the right way up: the allowed radius is (1 - alpha) * length / tip_length of the bit's
+  /// radius, where alpha runs from 0 at the base to 1 at the tip.
   bool contains(double back_mm, double off_axis_squared_mm2) const noexcept;
   /// The same within loops, compiled with its caller's flags, which may round otherwise: for the library's own.
   [[gnu::always_inline]] bool contains_inlined(double back_mm, double off_axis_squared_mm2) const noexcept {
@@ -91,11 +93,6 @@ class BitProfile {
   /// Of a stretch that is grown there may be two.
   std::array<ProfilePiece, 2 * kMaxStretches> pieces_{};
 };
-
-/// Whether the bit at `pose` holds point p (same frame as the pose, mm). The surface counts as inside.
-/// For a drill this is the paper's algorithm 1, with the cone's factor the right way up: the allowed radius is
-/// (1 - alpha) * length / tip_length of the bit's radius, where alpha runs from 0 at the base to 1 at the tip.
-bool bit_contains(const BitProfile& bit, const Pose& pose, const Vec3& p);
 
 /// Exact signed distance (mm) from p to the bit's surface at `pose`; negative inside.
 double bit_distance_mm(const BitProfile& bit, const Pose& pose, const Vec3& p);

@@ -115,7 +115,7 @@ void read_bones(const fs::path& folder) {
   if (levels_in(file).empty()) {
     use_bone(read_bone(file));
   } else {
-    for (const SpineBone& one : read_spine(file)) use_bone(one.bone);
+    for (const Level level : levels_in(file)) use_bone(read_spine_level(file, level).bone);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "apps/link/link_frames.h"
+#include "apps/spinaltap-planner/navigation/bulls_eye_view.h"
 #include "apps/spinaltap-planner/navigation/device_source.h"
 #include "apps/spinaltap-planner/navigation/navigation_panel.h"
 #include "apps/spinaltap-planner/navigation/record_source.h"
@@ -91,7 +92,7 @@ class Navigation : public PlannerWindow {
     let_work(100);
   }
   DrillPlayer& player() { return planner().player(); }
-  BullsEyeView& bulls_eye() { return window->navigation().bulls_eye(); }
+  BullsEyeView& bulls_eye() { return *window->navigation().findChild<BullsEyeView*>("bulls_eye"); }
   std::string text(const char* name) { return child<QLabel>(name).text().toStdString(); }
   bool wait_for(State state) {
     return wait_until([&] { return player().state() == state; }, 120'000);

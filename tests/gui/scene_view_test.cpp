@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <QApplication>
+#include <QElapsedTimer>
 #include <QMouseEvent>
 #include <algorithm>
 #include <array>
@@ -372,9 +373,11 @@ TEST_F(SceneViewTest, AnOrbitingFrameTakesUnderATenthOfASecondOfProcessorTime) {
   for (int n = 0; n < kSteps; ++n) {
     pixel += QPointF(15.0, n % 2 == 0 ? 3.0 : -3.0);
     const int before = view_.frames();
+    QElapsedTimer took;
+    took.start();
     move(pixel);
     while (view_.frames() == before) QCoreApplication::processEvents(QEventLoop::WaitForMoreEvents);
-    frames_ms.push_back(view_.last_frame_ms());
+    frames_ms.push_back(1e-6 * static_cast<double>(took.nsecsElapsed()));
   }
   const double processor_ms = 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kSteps;
   release(pixel);

@@ -16,11 +16,11 @@
 #include "core/base/error.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/spine.h"
-#include "core/phantom/true_labels.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
 #include "tests/support/test_kind.h"
+#include "tests/support/true_mask.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_levels.h"
@@ -91,7 +91,7 @@ TEST_P(SegmentRealMeshes, AloneGiveTheirLandmarks) {
   const CtVolume ct = scan_coarsely(spine);
   const Segmentation found = segment_vertebra(ct);
   std::printf("%s, alone\n", real.name);
-  const BoneMask ground_truth = true_mask(spine, 0, ct.geometry);
+  const BoneMask ground_truth = test::true_mask(spine, 0, ct.geometry);
   print(found.mask, ground_truth, found.report);
   EXPECT_GE(test::dice(found.mask, ground_truth), kMinDice);
   EXPECT_FALSE(found.report.is_cut);
@@ -191,7 +191,7 @@ std::size_t right_of(const Stack& stack) {
       EXPECT_TRUE(any_suspect) << "missing, and nothing says so";
       continue;
     }
-    const BoneMask mask = mask_of(named, label), ground_truth = true_mask(*stack.spine, n, ct.geometry);
+    const BoneMask mask = mask_of(named, label), ground_truth = test::true_mask(*stack.spine, n, ct.geometry);
     print(mask, ground_truth, *report);
     if (test::dice(mask, ground_truth) < kMinDice) {
       EXPECT_TRUE(report->is_suspect()) << "wrong, and nothing says so";

@@ -92,7 +92,7 @@ TEST(TrunkLikeness, OfRandomTrunksHoldsRealCtsAmidThem) {
   std::vector<CtFigures> phantoms;
   for (std::uint64_t seed = 0; seed < 32; seed += 2) {
     const TrunkOptions options = random_trunk_options(seed);
-    const CtVolume ct = scan_trunk(Spine(options.spine), options);
+    const CtVolume ct = test::scan_trunk(Spine(options.spine), options);
     phantoms.push_back(figures_of(ct));
     print_figures("seed " + std::to_string(seed), ct, phantoms.back());
   }

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <memory>
+#include <utility>
 #include <vector>
 
-#include "core/phantom/true_labels.h"
+#include "core/phantom/spine.h"
 
 namespace spinaltap::test {
-
-using spinaltap::true_mask;
 
 /// Several vertebrae as one body to scan, as they stand.
 class StackedVertebrae : public Spine {

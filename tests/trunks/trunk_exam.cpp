@@ -7,6 +7,10 @@ namespace spinaltap::test {
 
 std::string TrunkExam::what() const { return "seed " + std::to_string(seed) + " (" + describe(options) + ")"; }
 
+CtVolume scan_trunk(const Spine& spine, const TrunkOptions& options) {
+  return scan(spine, TrunkTissue(spine, options.tissue), options.scan);
+}
+
 TrunkExam examine_trunk(std::uint64_t seed) {
   TrunkExam exam;
   exam.seed = seed;

@@ -27,6 +27,9 @@ struct TrunkExam {
   const LevelReport& report_of(const WholeLevelScore& level) const { return found.levels[*level.found]; }
 };
 
+/// Scans a spine made from `options.spine` as the options say.
+CtVolume scan_trunk(const Spine& spine, const TrunkOptions& options);
+
 TrunkExam examine_trunk(std::uint64_t seed);
 
 /// A level's warnings, in one line.

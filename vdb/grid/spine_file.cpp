@@ -224,14 +224,4 @@ SpineBone read_spine_level(const fs::path& path, Level level) {
   return read_level(file, level, path);
 }
 
-std::vector<SpineBone> read_spine(const fs::path& path) {
-  detail::VdbFile file(path);
-  const std::vector<Level> levels = levels_of(file, path);
-  if (levels.empty()) fail("expected a file of several bones, found another .vdb: ", path.string());
-  std::vector<SpineBone> bones;
-  bones.reserve(levels.size());
-  for (const Level level : levels) bones.push_back(read_level(file, level, path));
-  return bones;
-}
-
 }  // namespace spinaltap

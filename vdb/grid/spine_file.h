@@ -40,9 +40,6 @@ std::vector<Level> levels_in(const std::filesystem::path& path);
 /// the level is not among them.
 SpineBone read_spine_level(const std::filesystem::path& path, Level level);
 
-/// All of them, from the head down.
-std::vector<SpineBone> read_spine(const std::filesystem::path& path);
-
 /// "T11, T12, L1"
 std::string level_names(std::span<const Level> levels);
 

@@ -1,14 +1,9 @@
 #include "vdb/heat/heat_medium.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
 namespace spinaltap {
-
-void EvenMedium::tissues(std::span<const Vec3> /*points_mm*/, std::span<ThermalTissue> tissues) const {
-  std::ranges::fill(tissues, tissue_);
-}
 
 BoneMedium::BoneMedium(BoneModel bone, const HuToDensity& density, const ThermalBone& thermal)
     : bone_(std::move(bone)), density_(density), thermal_(thermal) {

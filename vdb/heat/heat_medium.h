@@ -16,16 +16,6 @@ class HeatMedium {
   virtual void tissues(std::span<const Vec3> points_mm, std::span<ThermalTissue> tissues) const = 0;
 };
 
-/// The same everywhere.
-class EvenMedium final : public HeatMedium {
- public:
-  explicit EvenMedium(const ThermalTissue& tissue) : tissue_(tissue) {}
-  void tissues(std::span<const Vec3> points_mm, std::span<ThermalTissue> tissues) const override;
-
- private:
-  ThermalTissue tissue_;
-};
-
 /// A baked bone: within its surface by density, outside air.
 class BoneMedium final : public HeatMedium {
  public:

@@ -29,7 +29,6 @@ class NavigationPanel : public QWidget {
   /// Sources by name: "hand" (keyboard and mouse), "device" (address: a plug-in or loopback, as open_device() has it),
   /// "listen" (a port), "connect" (HOST:PORT), "record" (a file). Starts it along the chosen path. Throws Error.
   void start(const QString& source, const QString& address);
-  BullsEyeView& bulls_eye() { return *bulls_eye_; }
 
  Q_SIGNALS:
   void failed(const QString& why);

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <utility>
 
 #include "apps/spinaltap-planner/scene/orientation_marker.h"
@@ -155,31 +154,27 @@ void SceneStage::begin(const QSize& device_px, bool is_smooth, std::function<voi
   // Actors that were removed made it current here.
   if (window_->IsCurrent()) window_->ReleaseCurrent();
   frame_ = std::async(std::launch::async, [this, device_px, on_done = std::move(on_done)] {
-    Frame frame = draw(device_px);
+    QImage picture = draw(device_px);
     on_done();
-    return frame;
+    return picture;
   });
 }
 
 QImage SceneStage::finish() {
-  Frame frame = frame_.get();
-  last_frame_ms_ = frame.ms;
+  QImage picture = frame_.get();
   ++frames_;
-  return std::move(frame.picture);
+  return picture;
 }
 
-SceneStage::Frame SceneStage::draw(const QSize& device_px) {
-  const auto began = std::chrono::steady_clock::now();
+QImage SceneStage::draw(const QSize& device_px) {
   window_->SetSize(device_px.width(), device_px.height());
   window_->Render();
   vtkNew<vtkUnsignedCharArray> pixels;
   window_->GetRGBACharPixelData(0, 0, device_px.width() - 1, device_px.height() - 1, 0, pixels);
   window_->ReleaseCurrent();
-  QImage picture = with_rows_from_above(QImage(pixels->GetPointer(0), device_px.width(), device_px.height(),
-                                               4 * device_px.width(), QImage::Format_RGBX8888))
-                       .convertToFormat(QImage::Format_RGB32);
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
-  return {std::move(picture), took.count()};
+  return with_rows_from_above(QImage(pixels->GetPointer(0), device_px.width(), device_px.height(),
+                                     4 * device_px.width(), QImage::Format_RGBX8888))
+      .convertToFormat(QImage::Format_RGB32);
 }
 
 }  // namespace spinaltap

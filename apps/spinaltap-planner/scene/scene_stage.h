@@ -58,16 +58,10 @@ class SceneStage {
   bool is_drawing() const { return frame_.valid(); }
   /// The frame that was begun, waited for.
   QImage finish();
-  double last_frame_ms() const { return last_frame_ms_; }
   int frames() const { return frames_; }
 
  private:
-  struct Frame {
-    QImage picture;
-    double ms = 0.0;
-  };
-
-  Frame draw(const QSize& device_px);
+  QImage draw(const QSize& device_px);
 
   void set_layers();
 
@@ -81,9 +75,8 @@ class SceneStage {
   bool is_bone_kept_ = false;
   bool is_glass_ = false;
   QSize size_px_;  ///< of the last frame
-  double last_frame_ms_ = 0.0;
   int frames_ = 0;
-  std::future<Frame> frame_;
+  std::future<QImage> frame_;
 };
 
 }  // namespace spinaltap

@@ -218,8 +218,6 @@ QPointF SceneView::to_pixel(const Vec3& p_mm) const {
   return {pixel.x(), pixel.y()};
 }
 
-double SceneView::last_frame_ms() const { return scene_->stage.last_frame_ms(); }
-
 int SceneView::frames() const { return scene_->stage.frames(); }
 
 void SceneView::showEvent(QShowEvent* event) {

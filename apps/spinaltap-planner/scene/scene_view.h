@@ -40,8 +40,6 @@ class SceneView : public QWidget {
   QImage picture();
   /// Where a place (patient LPS, mm) is drawn, in pixels of this widget.
   QPointF to_pixel(const Vec3& p_mm) const;
-  /// How long the last frame took to draw; 0 before the first.
-  double last_frame_ms() const;
   /// How many frames were drawn.
   int frames() const;
 

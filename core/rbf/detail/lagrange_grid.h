@@ -7,8 +7,6 @@
 
 namespace spinaltap::detail {
 
-inline constexpr int kMinOrder = 3;
-
 /// Even grids of order^3 nodes over a box, and the polynomials through them (Lagrange), for the far field.
 class LagrangeGrid {
  public:

@@ -36,7 +36,6 @@ class VirtualCoupling {
 
   const Pose& first() const { return first_; }
   const CouplingGains& gains() const { return gains_; }
-  const EnergyAccount& energy() const { return energy_; }
   /// The device is lost, or its force is not all back.
   bool is_held() const { return hold_ < 1.0; }
 

@@ -112,8 +112,6 @@ class SessionWatch {
   void take_tool(const DrillBit& bit);
 
   bool is_stopped() const { return is_stopped_; }
-  /// Bone has been cut.
-  bool has_contact() const { return has_contact_; }
 
  private:
   static SessionEvent event_of(const Cycle& cycle, EventKind kind, const Vec3& place_mm, double value);

@@ -47,8 +47,7 @@ class CoupledOperator final : public Operator {
 
   /// Nothing before the device's first pose.
   const VirtualCoupling* coupling() const { return coupling_ ? &*coupling_ : nullptr; }
-  std::uint64_t silent_cycles() const { return silent_cycles_; }    ///< without a new pose
-  std::uint64_t rejected_poses() const { return rejected_poses_; }  ///< that made no sense
+  std::uint64_t silent_cycles() const { return silent_cycles_; }  ///< without a new pose
 
  private:
   std::optional<Pose> hear() noexcept;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/base/staged_output.h"
+#include "tests/support/gunzip.h"
+#include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
 namespace {
@@ -18,7 +20,9 @@ std::string mixed_bytes(std::size_t count) {
 TEST(Gzip, ComesBackAsItWas) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{1'000'000}}) {
     const std::string bytes = mixed_bytes(count);
-    EXPECT_EQ(gunzip(gzip(bytes), count), bytes) << count;
+    const test::TemporaryFolder folder;
+    write_whole_file(folder.path() / "bytes.gz", gzip(bytes));
+    EXPECT_EQ(test::gunzip(folder.path() / "bytes.gz"), bytes) << count;
   }
 }
 
@@ -26,19 +30,6 @@ TEST(Gzip, HoldsNoTime) {
   const std::string stream = gzip("bone");
   EXPECT_EQ(stream.substr(0, 2), "\x1f\x8b");
   EXPECT_EQ(stream.substr(4, 4), std::string(4, '\0'));  // RFC 1952: seconds since 1970, 0 for none
-}
-
-TEST(Gzip, RejectsStreamsThatAreDamagedOrOfAnotherSize) {
-  const std::string bytes = mixed_bytes(10'000);
-  const std::string stream = gzip(bytes);
-  EXPECT_THROW(gunzip(stream, 9'999), Error);
-  EXPECT_THROW(gunzip(stream, 10'001), Error);
-  EXPECT_THROW(gunzip(stream.substr(0, stream.size() / 2), 10'000), Error);
-  EXPECT_THROW(gunzip("not gzip at all", 10), Error);
-  std::string damaged = stream;
-  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x55);
-  EXPECT_THROW(gunzip(damaged, 10'000), Error);
-  EXPECT_THROW(gunzip("", 10), Error);
 }
 
 }  // namespace

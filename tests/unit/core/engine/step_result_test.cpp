@@ -8,6 +8,7 @@
 
 #include "core/engine/volume_segments.h"
 #include "core/tool/bit_profile.h"
+#include "tests/support/bit_contains.h"
 #include "tests/unit/core/engine/askew_block.h"
 #include "tests/unit/core/engine/every_engine.h"
 
@@ -180,7 +181,7 @@ TEST_P(StepResults, OfABitWhoseMotionIsResetAreThoseOfItsNewPlaceAlone) {
   int between = 0;
   for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
     const Vec3 p = volume.frame().to_patient(volume.point_in_path_mm(10, i));
-    const bool is_held = bit_contains(profile, there, p) || bit_contains(profile, first, p);
+    const bool is_held = test::bit_contains(profile, there, p) || test::bit_contains(profile, first, p);
     const double from_walls_mm =
         std::min(std::abs(bit_distance_mm(profile, there, p)), std::abs(bit_distance_mm(profile, first, p)));
     if (from_walls_mm > 1e-5) {  // engines' bits are larger by a skin

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -224,6 +225,15 @@ TEST(Spine, HasTheTwelfthRibsOfTheLengthAskedFor) {
     EXPECT_GT(reach, 0.85 * length_mm);
     EXPECT_LT(reach, length_mm + 22.0);
   }
+}
+
+/// Cobb's angle between two levels: between the upper endplate of the one above and the lower one of the other, seen
+/// from the front of the upright patient. Above 0: convex to the right.
+double cobb_deg(const LevelGroundTruth& above, const LevelGroundTruth& below) {
+  const auto tilt_deg = [](const Vec3& normal) {
+    return std::atan2(normal.x(), normal.z()) * 180.0 / std::numbers::pi;
+  };
+  return tilt_deg(above.superior_normal) - tilt_deg(below.inferior_normal);
 }
 
 TEST(Spine, BendsByTheCobbAngleAskedFor) {

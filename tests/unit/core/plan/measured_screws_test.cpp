@@ -96,7 +96,7 @@ ScrewAnswer of_foam(const OpenValues& open) {
         const ScrewHold hold = screw_hold(
             screwed_along_z(screw, hole_mm),
             [&](std::span<const Vec3>, std::span<double> g) { std::fill(g.begin(), g.end(), g_cm3); },
-            foam_hold_model());
+            test::foam_hold_model());
         answer.pullout.add(hold.pullout_n.median, hold.pullout_n);
         answer.torque.add(hold.max_torque_n_mm.median, hold.max_torque_n_mm);
       }

@@ -148,7 +148,7 @@ TEST(ScrewHold, BandsAreThoseOfTheSpreadsAlone) {
 }
 
 TEST(ScrewHold, FoamsStrengthIsThatOfItsDataSheet) {
-  const HoldModel foam = foam_hold_model();
+  const HoldModel foam = test::foam_hold_model();
   // Solid rigid polyurethane foam of ASTM F1839, by grade: shear and compressive strength, MPa. The law goes through
   // 10 and 20 pcf; the others are off it by 8 % at most.
   struct Sheet {

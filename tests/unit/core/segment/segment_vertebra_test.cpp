@@ -19,6 +19,7 @@
 #include "tests/support/release_only.h"
 #include "tests/support/stacked_vertebrae.h"
 #include "tests/support/test_kind.h"
+#include "tests/support/true_mask.h"
 
 namespace spinaltap {
 namespace {

@@ -18,7 +18,7 @@ double ball_radius_mm(const Vec3& direction, const Vec3& centre_mm, double radiu
   return along + std::sqrt(along * along + radius_mm * radius_mm - centre_mm.squaredNorm());
 }
 
-TEST(StarSurface, KnowsVolumeCentreAndDepthOfABall) {
+TEST(StarSurface, KnowsVolumeAndDepthOfABall) {
   StarSurface surface(Vec3::Zero(), 2000);
   const Vec3 centre_mm(3.0, -2.0, 4.0);
   for (std::size_t i = 0; i < surface.directions().size(); ++i) {
@@ -26,7 +26,6 @@ TEST(StarSurface, KnowsVolumeCentreAndDepthOfABall) {
   }
   const double volume_mm3 = 4.0 / 3.0 * std::numbers::pi * 15.0 * 15.0 * 15.0;
   EXPECT_NEAR(surface.volume_mm3(), volume_mm3, 0.002 * volume_mm3);
-  EXPECT_LT((surface.centroid_mm() - centre_mm).norm(), 0.05);
   // Radii are averaged over a few degrees: less than 0.1 mm on this ball.
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 0, -1), Vec3(0.6, 0.0, 0.8)}) {
     const double radius_mm = ball_radius_mm(direction, centre_mm, 15.0);

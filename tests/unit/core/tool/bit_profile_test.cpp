@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/bit_contains.h"
 #include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
@@ -25,7 +26,7 @@ TEST(BitProfile, ContainsWhereTheDistanceIsNegative) {
     const Vec3 p = test::point_near(bit, pose, draw);
     const double distance_mm = bit_distance_mm(bit, pose, p);
     if (std::abs(distance_mm) < 1e-9) continue;  // rounding decides there
-    ASSERT_EQ(bit_contains(bit, pose, p), distance_mm < 0.0) << n << " at " << distance_mm << " mm";
+    ASSERT_EQ(test::bit_contains(bit, pose, p), distance_mm < 0.0) << n << " at " << distance_mm << " mm";
     inside += distance_mm < 0.0;
   }
   EXPECT_GT(inside, 4'000);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/bit_contains.h"
 #include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
@@ -31,13 +32,13 @@ TEST(DrillBit, KnowsItsDistanceAtBaseTipRimAndShoulder) {
 }
 
 TEST(DrillBit, CountsItsSurfaceAsInside) {
-  EXPECT_TRUE(bit_contains(kPaperBit, kUpright, Vec3(0, 0, 50)));
-  EXPECT_TRUE(bit_contains(kPaperBit, kUpright, Vec3(0, 0, 0)));
-  EXPECT_TRUE(bit_contains(kPaperBit, kUpright, Vec3(1.5, 0, 20)));
-  EXPECT_TRUE(bit_contains(kPaperBit, kUpright, Vec3(1.5, 0, 0)));
-  EXPECT_FALSE(bit_contains(kPaperBit, kUpright, Vec3(1.5 + 1e-9, 0, 20)));
-  EXPECT_FALSE(bit_contains(kPaperBit, kUpright, Vec3(0, 0, -1e-9)));
-  EXPECT_FALSE(bit_contains(kPaperBit, kUpright, Vec3(0, 0, 50 + 1e-9)));
+  EXPECT_TRUE(test::bit_contains(kPaperBit, kUpright, Vec3(0, 0, 50)));
+  EXPECT_TRUE(test::bit_contains(kPaperBit, kUpright, Vec3(0, 0, 0)));
+  EXPECT_TRUE(test::bit_contains(kPaperBit, kUpright, Vec3(1.5, 0, 20)));
+  EXPECT_TRUE(test::bit_contains(kPaperBit, kUpright, Vec3(1.5, 0, 0)));
+  EXPECT_FALSE(test::bit_contains(kPaperBit, kUpright, Vec3(1.5 + 1e-9, 0, 20)));
+  EXPECT_FALSE(test::bit_contains(kPaperBit, kUpright, Vec3(0, 0, -1e-9)));
+  EXPECT_FALSE(test::bit_contains(kPaperBit, kUpright, Vec3(0, 0, 50 + 1e-9)));
 }
 
 TEST(DrillBit, NarrowsFromTheFullRadiusWhereTheConeBeginsToNothingAtTheTip) {
@@ -45,8 +46,8 @@ TEST(DrillBit, NarrowsFromTheFullRadiusWhereTheConeBeginsToNothingAtTheTip) {
   for (int i = 1; i <= 50; ++i) {
     const double back_mm = 0.1 * i;
     const double radius_mm = 1.5 * back_mm / 5.0;
-    EXPECT_TRUE(bit_contains(kPaperBit, kUpright, Vec3(radius_mm - 1e-9, 0, 50 - back_mm))) << back_mm;
-    EXPECT_FALSE(bit_contains(kPaperBit, kUpright, Vec3(radius_mm + 1e-9, 0, 50 - back_mm))) << back_mm;
+    EXPECT_TRUE(test::bit_contains(kPaperBit, kUpright, Vec3(radius_mm - 1e-9, 0, 50 - back_mm))) << back_mm;
+    EXPECT_FALSE(test::bit_contains(kPaperBit, kUpright, Vec3(radius_mm + 1e-9, 0, 50 - back_mm))) << back_mm;
   }
 }
 
@@ -54,8 +55,8 @@ TEST(DrillBit, MayBeAllCone) {
   const DrillBit cone{3.0, 5.0, 5.0};
   check_bit(cone);
   const Pose pose{Vec3(0, 0, 5), Vec3::UnitZ()};
-  EXPECT_TRUE(bit_contains(BitProfile(cone), pose, Vec3(1.5 - 1e-9, 0, 0)));
-  EXPECT_FALSE(bit_contains(BitProfile(cone), pose, Vec3(1.5 - 1e-9, 0, 0.1)));
+  EXPECT_TRUE(test::bit_contains(BitProfile(cone), pose, Vec3(1.5 - 1e-9, 0, 0)));
+  EXPECT_FALSE(test::bit_contains(BitProfile(cone), pose, Vec3(1.5 - 1e-9, 0, 0.1)));
   EXPECT_NEAR(bit_distance_mm(BitProfile(cone), pose, Vec3(0, 0, 0.25)), -0.25, 1e-14);
 }
 
@@ -73,7 +74,7 @@ TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
     // Positions of 500 mm carry 1e-13 mm each.
     EXPECT_NEAR(bit_distance_mm(bit, moved, turn * p + shift_mm), distance_mm, 1e-11);
     if (std::abs(distance_mm) < 1e-9) continue;
-    EXPECT_EQ(bit_contains(bit, moved, turn * p + shift_mm), bit_contains(bit, pose, p));
+    EXPECT_EQ(test::bit_contains(bit, moved, turn * p + shift_mm), test::bit_contains(bit, pose, p));
   }
 }
 

@@ -11,8 +11,8 @@
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "core/base/gzip.h"
 #include "core/base/staged_output.h"
+#include "tests/support/gunzip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_paths.h"
 #include "vdb/detail/vdb_file.h"
@@ -33,7 +33,7 @@ class NewerVdb : public testing::Test {
   static constexpr std::size_t kFormatAt = 8;
 
   static std::string bytes() {
-    return gunzip(read_whole_file(std::string(test::kSourceFolder) + "/tests/unit/vdb/grid/openvdb_13.vdb.gz"), kBytes);
+    return test::gunzip(std::string(test::kSourceFolder) + "/tests/unit/vdb/grid/openvdb_13.vdb.gz");
   }
   std::filesystem::path file(const std::string& bytes) const {
     const std::filesystem::path path = folder_.path() / "newer.vdb";

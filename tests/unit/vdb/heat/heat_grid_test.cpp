@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "core/base/error.h"
@@ -21,6 +23,18 @@ namespace {
 
 constexpr double kGridPi = std::numbers::pi;
 constexpr ThermalTissue kHeatedCortex{5.5e-4, 2.2625e-3};
+
+/// The same everywhere.
+class EvenMedium final : public HeatMedium {
+ public:
+  explicit EvenMedium(const ThermalTissue& tissue) : tissue_(tissue) {}
+  void tissues(std::span<const Vec3> /*points_mm*/, std::span<ThermalTissue> tissues) const override {
+    std::ranges::fill(tissues, tissue_);
+  }
+
+ private:
+  ThermalTissue tissue_;
+};
 const EvenMedium kEven(kHeatedCortex);
 
 /// Heat in an endless even medium, `spread` being four times diffusivity times time.

@@ -14,6 +14,7 @@
 #include "core/tool/bit_profile.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/bit_contains.h"
 #include "tests/support/cut_hole.h"
 #include "tests/support/release_only.h"
 #include "tests/support/test_kind.h"
@@ -55,7 +56,7 @@ double shared_volume_mm3(const DrillBit& bit, const Pose& pose) {
     for (int j = 0; j < size.y(); ++j) {
       for (int i = 0; i < size.x(); ++i) {
         const Vec3 p = low + kStepMm * (Vec3(i, j, k) + Vec3::Constant(0.5));
-        inside += kLargeBall.distance_mm(p) < 0.0 && bit_contains(profile, pose, p) ? 1U : 0U;
+        inside += kLargeBall.distance_mm(p) < 0.0 && test::bit_contains(profile, pose, p) ? 1U : 0U;
       }
     }
   }
