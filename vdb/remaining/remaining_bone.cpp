@@ -22,7 +22,7 @@ struct SavedHole {
 
   std::size_t bytes() const {
     std::size_t sum = blocks.capacity() * sizeof(blocks[0]);
-    for (const auto& [index, block] : blocks) sum += block == nullptr ? 0 : sizeof(detail::HoleBlock);
+    for (const auto& [index, block] : blocks) sum += block == nullptr ? 0 : block->memory_bytes();
     return sum;
   }
 };

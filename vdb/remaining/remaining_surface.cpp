@@ -104,6 +104,9 @@ struct RemainingSurface::State {
     const BlockCells& before = cells[block] == nullptr ? kNone : *cells[block];
     if (found == before) return 0;
     const unsigned ends = differing_ends(before, found) | 1U << 8U;
+    found.cells.shrink_to_fit();
+    found.vertices.shrink_to_fit();
+    found.edges.shrink_to_fit();
     cells[block] =
         found.cells.empty() && found.edges.empty() ? nullptr : std::make_unique<BlockCells>(std::move(found));
     return ends;

@@ -1,7 +1,10 @@
 #include "vdb/remaining/detail/block_drill.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace spinaltap::detail {
 namespace {
@@ -50,6 +53,10 @@ class EighthDrill {
     }
   }
 
+  void end_change() {
+    if (!drill_.change.values.empty()) drill_.hole->set_gradients(gradients_);
+  }
+
  private:
   /// Distances to the bit at the middle of its way, or less where they are out of reach anyway.
   void find_distances(const Vec3& first) {
@@ -89,24 +96,26 @@ class EighthDrill {
       return;
     }
     if (after_mm > -band_mm_) drill_.slack_mm = std::min(drill_.slack_mm, at_middle_mm - after_mm);
-    if (!drill_.is_own) make_own();
+    if (drill_.change.values.empty()) begin_change();
     drill_.hole->distance_mm[offset] = static_cast<float>(after_mm);
-    drill_.hole->gradient[offset] = sample.gradient.cast<float>();
+    // Within, where distances are clamped, no surface is near that would ask for it.
+    gradients_[offset] =
+        after_mm > -band_mm_ ? Eigen::Vector3f(sample.gradient.cast<float>()) : Eigen::Vector3f::Zero();
     drill_.change.values.extend(voxel);
     if (bone_mm < 0.0F && hole_mm > 0.0F && static_cast<float>(after_mm) <= 0.0F) drill_.change.signs.extend(voxel);
   }
 
-  void make_own() {
+  void begin_change() {
+    if (drill_.hole != nullptr) {
+      gradients_ = drill_.hole->gradients();
+    } else {
+      gradients_.fill(Eigen::Vector3f::Zero());
+    }
+    if (drill_.is_own) return;
     drill_.before = drill_.hole;
     drill_.is_copied = true;
     drill_.is_own = true;
-    if (drill_.hole != nullptr) {
-      drill_.hole = std::make_shared<HoleBlock>(*drill_.hole);
-      return;
-    }
-    drill_.hole = std::make_shared<HoleBlock>();
-    drill_.hole->distance_mm.fill(bone_.band_mm);
-    drill_.hole->gradient.fill(Eigen::Vector3f::Zero());
+    drill_.hole = std::make_shared<HoleBlock>(drill_.hole != nullptr ? *drill_.hole : HoleBlock(bone_.band_mm));
   }
 
   const ResampledBone& bone_;
@@ -120,6 +129,7 @@ class EighthDrill {
   double change_mm_;  ///< the largest
   std::array<int, 3> low_{};
   std::array<double, kHalfBlock * kHalfBlock * kHalfBlock> at_middle_mm_{};
+  HoleBlock::Gradients gradients_;  ///< as they are now, from begin_change() on
 };
 
 }  // namespace
@@ -143,9 +153,38 @@ Vec3 block_middle_mm(const BlockLattice& lattice, std::size_t block) {
 
 double block_reach_mm(const BlockLattice& lattice) { return to_corner_voxels(kBlockSide) * lattice.voxel_mm; }
 
+HoleBlock::Gradients HoleBlock::gradients() const {
+  Gradients all;
+  all.fill(Eigen::Vector3f::Zero());
+  std::size_t next = 0;
+  for (std::size_t word = 0; word < kept_.size(); ++word) {
+    for (std::uint64_t bits = kept_[word]; bits != 0; bits &= bits - 1) {
+      all[64 * word + static_cast<std::size_t>(std::countr_zero(bits))] = gradients_[next++];
+    }
+  }
+  return all;
+}
+
+void HoleBlock::set_gradients(const Gradients& gradients) {
+  const auto is_kept = [](const Eigen::Vector3f& one) { return one != Eigen::Vector3f::Zero(); };
+  std::size_t count = 0;
+  for (std::size_t word = 0; word < kept_.size(); ++word) {
+    std::uint64_t bits = 0;
+    for (std::size_t n = 0; n < 64; ++n) bits |= std::uint64_t{is_kept(gradients[64 * word + n])} << n;
+    kept_[word] = bits;
+    before_[word] = static_cast<std::uint16_t>(count);
+    count += static_cast<std::size_t>(std::popcount(bits));
+  }
+  std::vector<Eigen::Vector3f> kept;
+  kept.reserve(count);
+  std::ranges::copy_if(gradients, std::back_inserter(kept), is_kept);
+  gradients_ = std::move(kept);
+}
+
 void drill_block(const ResampledBone& bone, const BitSweep& sweep, BlockDrill& drill) {
   EighthDrill eighths(bone, sweep, drill);
   for (int eighth = 0; eighth < 8; ++eighth) eighths.look(eighth);
+  eighths.end_change();
 }
 
 }  // namespace spinaltap::detail

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "core/base/geometry.h"
 
@@ -55,10 +59,37 @@ struct BlockLattice {
 constexpr int kBlockSide = BlockLattice::kSide;
 
 /// A block of what was drilled: at each voxel the distance to all that bits swept (mm, negative within, clamped to the
-/// band) and its gradient.
-struct HoleBlock {
+/// band) and its gradient. Most voxels lie beyond the band, where nothing asks for a gradient: only others are kept.
+class HoleBlock {
+ public:
+  using Gradients = std::array<Eigen::Vector3f, BlockLattice::kVoxels>;
+
+  /// All at one distance, without gradients.
+  explicit HoleBlock(float at_mm) { distance_mm.fill(at_mm); }
+
   std::array<float, BlockLattice::kVoxels> distance_mm;
-  std::array<Eigen::Vector3f, BlockLattice::kVoxels> gradient;
+
+  /// Zero where none is kept.
+  Eigen::Vector3f gradient(std::size_t offset) const {
+    const std::uint64_t bits = kept_[offset / 64], bit = std::uint64_t{1} << offset % 64;
+    if ((bits & bit) == 0) return Eigen::Vector3f::Zero();
+    return gradients_[before_[offset / 64] + static_cast<std::size_t>(std::popcount(bits & (bit - 1)))];
+  }
+  /// All of them.
+  Gradients gradients() const;
+  /// Keeps those that are not zero.
+  void set_gradients(const Gradients& gradients);
+  /// The same distance throughout, and no gradient.
+  bool is_even(float at_mm) const {
+    return gradients_.empty() && std::ranges::all_of(distance_mm, [at_mm](float one) { return one == at_mm; });
+  }
+
+  std::size_t memory_bytes() const { return sizeof(*this) + gradients_.capacity() * sizeof(gradients_[0]); }
+
+ private:
+  std::array<std::uint64_t, BlockLattice::kVoxels / 64> kept_{};
+  std::array<std::uint16_t, BlockLattice::kVoxels / 64> before_{};  ///< how many are kept before each 64 voxels
+  std::vector<Eigen::Vector3f> gradients_;
 };
 
 /// Box around voxels of a block; empty where low > high.

@@ -27,7 +27,7 @@ class BlockVoxels {
   double hole_mm(const Place& at) const { return static_cast<double>(grid_->hole_mm(at.block, at.offset)); }
   Vec3 gradient(const Place& at) const {
     const HoleBlock* hole = grid_->hole(at.block);
-    return hole == nullptr ? Vec3(Vec3::Zero()) : Vec3(hole->gradient[at.offset].cast<double>());
+    return hole == nullptr ? Vec3(Vec3::Zero()) : Vec3(hole->gradient(at.offset).cast<double>());
   }
 
  private:

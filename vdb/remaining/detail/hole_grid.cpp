@@ -15,6 +15,7 @@ constexpr std::uint32_t kAllInside = 1;
 
 HoleGrid::HoleGrid(std::shared_ptr<const ResampledBone> bone, SavedBlocks start)
     : bone_(std::move(bone)),
+      gone_(std::make_shared<HoleBlock>(-bone_->band_mm)),
       holes_(bone_->lattice.count()),
       start_(std::move(start)),
       inside_places_(bone_->lattice.count(), kNoneInside) {
@@ -163,6 +164,8 @@ void HoleGrid::drill(const BitSweep& sweep, std::uint64_t epoch, SavedBlocks& be
       before.emplace_back(drill.block, std::move(drill.before));
       holes_[drill.block] = std::move(drill.hole);
     }
+    // Nothing of it can change any more.
+    if (holes_[drill.block]->is_even(-bone_->band_mm)) holes_[drill.block] = gone_;
     find_inside(drill.block);
   }
 }
@@ -182,15 +185,11 @@ std::vector<std::pair<std::size_t, BlockChange>> HoleGrid::take_changes() {
   return changes;
 }
 
-std::size_t HoleGrid::hole_block_count() const {
-  return static_cast<std::size_t>(
-      std::count_if(holes_.begin(), holes_.end(), [](const auto& hole) { return hole != nullptr; }));
-}
-
 std::size_t HoleGrid::memory_bytes() const {
-  return hole_block_count() * sizeof(HoleBlock) + holes_.capacity() * sizeof(holes_[0]) +
-         inside_places_.capacity() * sizeof(std::uint32_t) + inside_.capacity() * sizeof(InsideBits) +
-         looks_.size() * (sizeof(Look) + 4 * sizeof(void*)) +
+  std::size_t blocks = 0;
+  for (const BlockPtr& hole : holes_) blocks += hole == nullptr || hole == gone_ ? 0 : hole->memory_bytes();
+  return blocks + holes_.capacity() * sizeof(holes_[0]) + inside_places_.capacity() * sizeof(std::uint32_t) +
+         inside_.capacity() * sizeof(InsideBits) + looks_.size() * (sizeof(Look) + 4 * sizeof(void*)) +
          changes_.size() * (sizeof(BlockChange) + 4 * sizeof(void*));
 }
 

@@ -46,7 +46,6 @@ class HoleGrid {
   /// What changed since the last call, in order of the blocks.
   std::vector<std::pair<std::size_t, BlockChange>> take_changes();
 
-  std::size_t hole_block_count() const;
   std::size_t memory_bytes() const;
 
  private:
@@ -63,6 +62,7 @@ class HoleGrid {
   void find_inside(std::size_t block);
 
   std::shared_ptr<const ResampledBone> bone_;
+  BlockPtr gone_;  ///< stands for all blocks that are hole throughout
   std::vector<BlockPtr> holes_;
   SavedBlocks start_;
   std::vector<std::uint32_t> inside_places_;

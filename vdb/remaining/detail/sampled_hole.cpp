@@ -42,7 +42,9 @@ std::shared_ptr<HoleBlock> sample_block(const openvdb::FloatGrid& hole, const Bl
   const Sampler sampler(accessor, hole.transform());
   const double step_mm = hole.voxelSize()[0];
   const Vec3 corner_mm = lattice.corner_mm(lattice.block(block));
-  auto sampled = std::make_shared<HoleBlock>();
+  auto sampled = std::make_shared<HoleBlock>(band_mm);
+  HoleBlock::Gradients gradients;
+  gradients.fill(Eigen::Vector3f::Zero());
   bool is_reached = false;
   for (int x = 0; x < kSide; ++x) {
     for (int y = 0; y < kSide; ++y) {
@@ -51,13 +53,13 @@ std::shared_ptr<HoleBlock> sample_block(const openvdb::FloatGrid& hole, const Bl
         const std::size_t offset = BlockLattice::offset(x, y, z);
         const float distance_mm = sampler.wsSample(p_mm);
         sampled->distance_mm[offset] = std::clamp(distance_mm, -band_mm, band_mm);
-        sampled->gradient[offset].setZero();
         if (distance_mm >= band_mm) continue;
         is_reached = true;
-        sampled->gradient[offset] = slope(sampler, p_mm, distance_mm, step_mm).cast<float>();
+        gradients[offset] = slope(sampler, p_mm, distance_mm, step_mm).cast<float>();
       }
     }
   }
+  sampled->set_gradients(gradients);
   return is_reached ? sampled : nullptr;
 }
 
