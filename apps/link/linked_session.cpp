@@ -10,6 +10,13 @@
 
 namespace spinaltap {
 
+void set_linked_defaults(SessionSetup& setup) {
+  setup.engine = EngineKind::voxel;
+  setup.volume.spacing_mm = 0.2;
+  setup.volume.radius_mm = 6.0;
+  setup.options.max_jump_mm = 20.0;
+}
+
 LinkedSession drill_linked(const Bone& bone, const SessionSetup& setup, const LinkedOptions& options,
                            const Progress& progress) {
   Session session(bone, setup.path, setup, progress);

@@ -14,6 +14,11 @@
 
 namespace spinaltap {
 
+/// What a session of a tracked tool has where nothing else is asked for: voxels of 0.2 mm, so that the tool may come
+/// from anywhere and a cycle is short (points, where they are asked for, within 6 mm of the path); and a way of over
+/// 20 mm between two poses is a slip of the tracker, which is not cut.
+void set_linked_defaults(SessionSetup& setup);
+
 struct LinkedOptions {
   LinkServerOptions server = {};  ///< its points are put in: the path's entry and target, without names of their own
   LinkLoopOptions loop = {};

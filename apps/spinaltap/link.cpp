@@ -221,10 +221,7 @@ Json link(LinkCommandOptions& options, bool is_forced, int& exit_code, const Pro
 
 void add_link(CLI::App& program, Command& command) {
   const auto options = std::make_shared<LinkCommandOptions>();
-  options->setup.engine = EngineKind::voxel;
-  options->setup.volume.spacing_mm = 0.2;
-  options->setup.volume.radius_mm = 6.0;
-  options->setup.options.max_jump_mm = 20.0;  // of a hand between two poses; what is further is a slip of the tracker
+  set_linked_defaults(options->setup);
   CLI::App* app = add_command(
       program, command, "link", "Drill with a tracked tool or a robot over OpenIGTLink, against the clock",
       "Examples: spinaltap link bone.vdb plan.json --stop-at-clearance 1 --record run.h5\n"

@@ -5,14 +5,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/link/linked_session.h"
 #include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
 #include "core/session/record/session_record.h"
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
+#include "tests/support/recorded_hand.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_paths.h"
+#include "vdb/sim/replay.h"
 
 namespace spinaltap {
 namespace {
@@ -90,6 +93,14 @@ TEST_F(Link, DrillsWithAClientInPythonAndReplaysBitForBit) {
   const SessionRecord record = read_record(folder_->path() / "run.h5");
   EXPECT_TRUE(record.is_whole);
   EXPECT_EQ(record.cycles.size(), link["cycles"].get<std::size_t>());
+  // The hand that the link recorded gives the same in a session of the same voxels and rule.
+  std::vector<ToolInput> hand;
+  for (const RecordedCycle& cycle : record.cycles) hand.push_back(input_of(cycle));
+  SessionSetup setup;
+  set_linked_defaults(setup);
+  setup.options.stop.thrust_n = 3.0;
+  const DrillPath path = read_plan(folder_->path() / "plan.json").front();
+  EXPECT_EQ(hash_of(record), test::session_hash(Session(Bone::load(folder_->path() / "bone.vdb"), path, setup), hand));
   const test::ProgramRun replay = test::run_program("replay run.h5 bone.vdb", folder_->path());
   EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
 }

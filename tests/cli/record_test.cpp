@@ -12,6 +12,7 @@
 #include "core/session/record/session_record.h"
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
+#include "tests/support/recorded_hand.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
@@ -68,6 +69,18 @@ TEST_F(Record, ReplaysBitForBitWithEveryEngineOnOneThreadAndTwo) {
       EXPECT_EQ(figures["events"], record.events.size());
     }
   }
+}
+
+TEST_F(Record, OfARecordedHandIsThatOfASession) {
+  const DrillPath path = read_plan(folder_->path() / "plan.json").front();
+  const std::vector<ToolInput> hand = test::recorded_hand(path, folder_->path() / "hand.csv");
+  const test::ProgramRun run = test::run_program(
+      "drill bone.vdb plan.json --operator hand.csv --no-pictures --record hand.h5 -o hand", folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const SessionRecord record = read_record(folder_->path() / "hand.h5");
+  EXPECT_EQ(record.cycles.size(), hand.size());
+  EXPECT_GE(record.events.size(), 2U);
+  EXPECT_EQ(hash_of(record), test::session_hash(Session(Bone::load(folder_->path() / "bone.vdb"), path), hand));
 }
 
 TEST_F(Record, RejectsAnotherBoneAndWhatIsNoRecord) {

@@ -1,4 +1,4 @@
-"""The C interface from C and from ctypes, beside C++ and Python: one hand, one record's hash."""
+"""One hand, one record's hash: the C interface from C and from ctypes, C++, Python and the program."""
 
 import ctypes
 import os
@@ -127,6 +127,28 @@ class OneHand(unittest.TestCase):
             changes = record.events[record.events["kind"] == spinaltap.EVENT_KINDS.index("tool change")]
             self.assertEqual(changes["cycle"].tolist(), [1000])
             self.assertTrue(spinaltap.replay(folder / "python.h5", made_bone.bone()).is_same)
+
+
+    def test_gives_one_hash_in_python_and_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = FilePath(folder)
+            poses, spindle_on = hand()
+            with open(folder / "hand.csv", "w") as file:
+                file.write("time_s,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,spindle_on\n")
+                for n, (pose, is_on) in enumerate(zip(poses, spindle_on)):
+                    file.write(",".join(f"{number:.17g}" for number in (0.001 * n, *pose)) + f",{int(is_on)}\n")
+            command = [os.environ["SPINALTAP_PROGRAM"], "drill", str(BONE), str(PLAN), "--operator", "hand.csv",
+                       "--no-pictures", "--record", "program.h5", "-o", "out"]
+            said = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+            self.assertEqual(said.returncode, 0, said.stderr)
+            drilled = spinaltap.read_record(folder / "program.h5")
+            self.assertEqual(len(drilled.cycles), len(poses))
+            session = spinaltap.Session(made_bone.bone(), made_bone.path())
+            session.record(folder / "python.h5")
+            session.run(drilled.cycles["tip_mm"], drilled.cycles["axis"], drilled.cycles["dt_s"],
+                        drilled.cycles["spindle_on"] != 0)
+            session.end_record()
+            self.assertEqual(spinaltap.read_record(folder / "python.h5").hash, drilled.hash)
 
 
 if __name__ == "__main__":

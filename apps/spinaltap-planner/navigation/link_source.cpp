@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/link/link_exchange.h"
+#include "apps/link/linked_session.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/session/real_time/timing.h"
@@ -73,10 +74,8 @@ LinkSource::LinkSource(LinkServerOptions server, TrackingOptions tracking)
 }
 
 void LinkSource::prepare(SessionSetup& setup) const {
-  constexpr double kVoxelMm = 0.2, kSlipMm = 20.0;  // as `spinaltap link` has them
-  setup.options.has_device = true;
-  setup.options.max_jump_mm = kSlipMm;
-  setup.volume.spacing_mm = kVoxelMm;
+  set_linked_defaults(setup);
+  setup.options.has_device = true;  // cycles go on where no pose comes
 }
 
 OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progress) {
