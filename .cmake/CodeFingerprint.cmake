@@ -1,17 +1,17 @@
 # Writes OUTPUT, a C++ source with a fingerprint of the code that each stage's results follow from: of the names and
-# content of its rooms' sources. cmake -D SOURCE_DIR=. -D OUTPUT=code_fingerprint.cpp -P CodeFingerprint.cmake
+# content of its modules' sources. cmake -D SOURCE_DIR=. -D OUTPUT=code_fingerprint.cpp -P CodeFingerprint.cmake
 cmake_minimum_required(VERSION 3.25)
 
-set(rooms_mask core/base core/ct core/segment core/files)
-set(rooms_fit core/base core/ct core/surface core/rbf core/files)
-set(rooms_drilling core vdb)
+set(modules_mask core/base core/ct core/segment core/files)
+set(modules_fit core/base core/ct core/surface core/rbf core/files)
+set(modules_drilling core vdb)
 
 set(cases "")
 foreach(stage mask fit drilling)
   set(text "")
-  foreach(room IN LISTS rooms_${stage})
+  foreach(module IN LISTS modules_${stage})
     file(GLOB_RECURSE sources RELATIVE ${SOURCE_DIR}
-         ${SOURCE_DIR}/${room}/*.cpp ${SOURCE_DIR}/${room}/*.h ${SOURCE_DIR}/${room}/*.inl)
+         ${SOURCE_DIR}/${module}/*.cpp ${SOURCE_DIR}/${module}/*.h ${SOURCE_DIR}/${module}/*.inl)
     list(SORT sources)
     foreach(source IN LISTS sources)
       file(SHA256 ${SOURCE_DIR}/${source} hash)

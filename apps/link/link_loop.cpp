@@ -29,7 +29,7 @@ class LinkLoop {
         options_(options),
         observe_(observe),
         hearing_{Tracking(options.tracking)},
-        has_side_(session.path().bit.shape == BitShape::plate) {}
+        has_side_(session.path().bit.is_plate()) {}
 
   void run(const std::atomic<bool>& stops);
   const LinkLoopReport& report() const { return report_; }

@@ -104,7 +104,7 @@ void add_crossing(const Vec3& a, const Vec3& b, std::vector<Eigen::Vector2d>& po
 }  // namespace
 
 std::vector<ToolPart> tool_parts(const DrillBit& bit) {
-  if (bit.shape == BitShape::plate) {
+  if (bit.is_plate()) {
     check_bit(bit);
     return {{.plate = bit}};
   }

@@ -244,7 +244,7 @@ void add_speed(const DrillReportData& data, HtmlReport& report) {
 
 std::vector<ReportRow> tool_rows(const DrillBit& bit) {
   const auto by = [](double a, double b) { return readable_number(a, 1) + " × " + readable_number(b, 1); };
-  if (bit.shape == BitShape::plate) {
+  if (bit.is_plate()) {
     const bool is_saw = bit.stroke_mm > 0.0;
     std::vector<ReportRow> rows{{is_saw ? "Saw, width × thickness × length" : "Osteotome, width × thickness × length",
                                  by(bit.diameter_mm, bit.thickness_mm) + " × " + readable_number(bit.length_mm, 1),

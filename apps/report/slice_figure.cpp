@@ -264,7 +264,7 @@ class ToolAtTarget {
 
  private:
   static std::variant<BitProfile, BitBody> body_of(const DrillPath& path) {
-    if (!path.screw && path.bit.shape == BitShape::plate) return BitBody(path.bit, at_target(path));
+    if (!path.screw && path.bit.is_plate()) return BitBody(path.bit, at_target(path));
     return BitProfile(path.screw ? path.screw->outline() : path.bit);
   }
 

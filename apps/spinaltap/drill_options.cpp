@@ -206,7 +206,7 @@ void DrillOptions::check(const DrillBit& tool) const {
   }
   if (has_heat && tool_operator.is_milling())
     fail("expected no --heat with a milling: only a hole along the path has it");
-  if (has_heat && tool.shape == BitShape::plate) fail("expected no --heat with a plate: it drills no hole");
+  if (has_heat && tool.is_plate()) fail("expected no --heat with a plate: it drills no hole");
   if (has_heat && bones > 1) fail("expected no --heat with --also: heat is solved in one bone");
   const ComplianceOptions& compliance = setup.options.compliance;
   if (!compliance.is_on && (compliance.free_length_mm > 0.0 || compliance.stall_n_mm > 0.0)) {
@@ -233,7 +233,7 @@ void DrillOptions::check(const DrillBit& tool) const {
     session.further_bone_hashes.resize(bones - 1);
     check_for_voxels("--also: only voxels can fill several bones");
   }
-  if (tool.shape == BitShape::plate) check_for_voxels("a plate: only voxels can be cut by one");
+  if (tool.is_plate()) check_for_voxels("a plate: only voxels can be cut by one");
   if (tool_operator.has_device()) check_for_voxels("--device: a hand leaves the cylinder that points fill");
   const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
   if (writes_voxels && !drills_voxels) {

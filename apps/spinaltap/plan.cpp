@@ -103,7 +103,7 @@ DrillBit PathOptions::plate() const {
 
 DrillBit PathOptions::bit() const {
   if (!profile.empty()) return read_bit_profile(profile).bit;
-  if (sizes.shape == BitShape::plate) return plate();
+  if (sizes.is_plate()) return plate();
   if (width_mm || thickness_mm || stroke_mm || !width_along.empty()) {
     fail("expected --shape plate with --width, --thickness, --stroke and --width-along: other tools turn");
   }
@@ -135,7 +135,7 @@ std::optional<DrillPath> PathOptions::given_path(const std::string& name) const 
                  bit()};
   for (const std::string& place : via) path.via_mm.push_back(place_of(place));
   const Vec3 direction = (path.target_mm - path.entry_mm).normalized();
-  const bool is_plate = path.bit.shape == BitShape::plate && direction.allFinite();
+  const bool is_plate = path.bit.is_plate() && direction.allFinite();
   if (is_plate && !sound_pose({Vec3::Zero(), direction}, path.bit)) {
     fail(
         "expected a plate whose width lies across its path: choose another --width-along, further than 6 degrees from ",

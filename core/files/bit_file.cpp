@@ -27,21 +27,14 @@ NamedBit read_profile_file(const std::filesystem::path& path) {
 }  // namespace
 
 const std::map<std::string, BitShape>& bit_shapes() {
-  static const std::map<std::string, BitShape> shapes{{"drill", BitShape::drill},
-                                                      {"round-burr", BitShape::round_burr},
-                                                      {"conical-burr", BitShape::conical_burr},
-                                                      {"tapered-screw", BitShape::tapered_screw},
-                                                      {"plate", BitShape::plate}};
+  static const std::map<std::string, BitShape> shapes = [] {
+    std::map<std::string, BitShape> by_sizes;
+    for (const BitShapeTraits& traits : bit_shape_traits()) {
+      if (traits.shape != BitShape::profile) by_sizes[traits.name] = traits.shape;
+    }
+    return by_sizes;
+  }();
   return shapes;
-}
-
-const std::string& name_of(BitShape shape) {
-  static const std::string profile = "profile";
-  if (shape == BitShape::profile) return profile;
-  for (const auto& [name, known] : bit_shapes()) {
-    if (known == shape) return name;
-  }
-  fail_as(ErrorKind::internal, "no such shape of a bit");
 }
 
 Json bit_json(const DrillBit& bit) { return to_json(bit); }

@@ -5,15 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "core/tool/drill_bit.h"
+#include "core/tool/bit_shape.h"
 
 namespace spinaltap {
 
 /// Shapes of bits that sizes alone describe, by the names that they have in options and plans.
 const std::map<std::string, BitShape>& bit_shapes();
-
-/// Theirs, or "profile".
-const std::string& name_of(BitShape shape);
 
 /// A bit that people know by a name.
 struct NamedBit {

@@ -26,18 +26,17 @@ constexpr int kLipPieces = 32;
 constexpr double in_radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 double chisel_radius_of(const DrillBit& bit, const Material& material) {
-  const bool has_edge = bit.shape == BitShape::drill && bit.tip_diameter_mm > 0.0;
+  const bool has_edge = bit.has_flutes() && bit.tip_diameter_mm > 0.0;
   return has_edge ? 0.5 * bit.tip_diameter_mm : 0.5 * material.chisel_share * bit.diameter_mm;
 }
 
 /// Of what a tool cuts out on its way along its axis.
 double section_of(const DrillBit& bit) {
-  return bit.shape == BitShape::plate ? bit.diameter_mm * bit.thickness_mm
-                                      : std::numbers::pi * bit.radius_mm() * bit.radius_mm();
+  return bit.is_plate() ? bit.diameter_mm * bit.thickness_mm : std::numbers::pi * bit.radius_mm() * bit.radius_mm();
 }
 
 double half_point_angle(const DrillBit& bit) {
-  if (bit.shape != BitShape::drill) return in_radians(0.5 * kUsualPointDeg);
+  if (!bit.has_flutes()) return in_radians(0.5 * kUsualPointDeg);
   return std::atan2(0.5 * (bit.diameter_mm - bit.tip_diameter_mm), bit.tip_length_mm);
 }
 
@@ -84,7 +83,7 @@ double FeedResistance::rubbing_n_mm(double feed_mm_per_turn) const noexcept {
 
 ToolLaw::ToolLaw(const DrillBit& bit, const Material& material)
     : radius_mm_(bit.radius_mm()),
-      is_plate_(bit.shape == BitShape::plate),
+      is_plate_(bit.is_plate()),
       stroke_mm_(bit.stroke_mm),
       section_mm2_(section_of(bit)),
       chisel_radius_mm_(chisel_radius_of(bit, material)),
@@ -101,9 +100,8 @@ void ToolLaw::take_lips(const DrillBit& bit, const Material& material) {
   const double friction = in_radians(lips.friction_deg);
   const double half_point = half_point_angle(bit);
   const double chisel = std::min(chisel_radius_mm_ / radius_mm_, 0.99);
-  const bool has_flutes = bit.shape == BitShape::drill;
-  const double helix_tangent = has_flutes ? std::tan(in_radians(bit.helix_deg)) : 0.0;
-  const double web = has_flutes ? chisel * std::sin(in_radians(kChiselAngleDeg)) : 0.0;
+  const double helix_tangent = bit.has_flutes() ? std::tan(in_radians(bit.helix_deg)) : 0.0;
+  const double web = bit.has_flutes() ? chisel * std::sin(in_radians(kChiselAngleDeg)) : 0.0;
 
   const double even = shear_cotangent(friction, 0.0);
   double torque = 0.0, thrust = 0.0;
@@ -124,9 +122,9 @@ void ToolLaw::take_lips(const DrillBit& bit, const Material& material) {
 
   const double pressure_share =
       material.specific_cutting_energy_mpa > 0.0 ? material.chisel_mpa / material.specific_cutting_energy_mpa : 0.0;
-  flank_mm2_ = has_flutes ? 2.0 * bit.wear_mm * (radius_mm_ - chisel_radius_mm_) * pressure_share : 0.0;
+  flank_mm2_ = bit.has_flutes() ? 2.0 * bit.wear_mm * (radius_mm_ - chisel_radius_mm_) * pressure_share : 0.0;
   flank_torque_mm_ = std::tan(friction) / std::sin(half_point) * 0.5 * (radius_mm_ + chisel_radius_mm_);
-  if (has_flutes) {
+  if (bit.has_flutes()) {
     margin_mm2_ = std::tan(friction) * lips.margin_pressure_share * 2.0 * kMarginShare * bit.diameter_mm * radius_mm_;
     chip_share_per_mm_ = lips.chip_torque_per_diameter / bit.diameter_mm;
   }

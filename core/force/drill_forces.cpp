@@ -33,10 +33,8 @@ constexpr double kEdgeFeedMm = 1e-3;
 /// A bit that went back feels nothing until it is so near its deepest place again.
 constexpr double kFreshMm = 0.02;
 
-bool is_plate(const DrillBit& bit) { return bit.shape == BitShape::plate; }
-
 /// How far aside a tool that went back is at another place of the bone.
-double hole_radius_mm(const DrillBit& bit) { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
+double hole_radius_mm(const DrillBit& bit) { return bit.is_plate() ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
 
 /// Of contact: bone resists more what goes into it, and gives less back (Hunt & Crossley 1975: 1.5 (1 - e) / v, e being
 /// a half at half a metre a second).
@@ -190,10 +188,10 @@ struct DrillForces::State {
         across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
 
   /// A plate's walls lie on both sides of its middle, half its thickness off.
-  double wall_mm() const noexcept { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
+  double wall_mm() const noexcept { return bit.is_plate() ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
 
   static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const ToolLaw& law) {
-    return is_plate(bit) ? ChiselProbe::of_edge(bone, bit.diameter_mm) : ChiselProbe(bone, law.chisel_radius_mm());
+    return bit.is_plate() ? ChiselProbe::of_edge(bone, bit.diameter_mm) : ChiselProbe(bone, law.chisel_radius_mm());
   }
 
   /// So few that a cycle is short, so many that a disc's points, which count as spread over a bin, come out even.
@@ -246,7 +244,7 @@ void DrillForces::State::take_step(const StepResult& result, const Pose& path_po
   const AcrossWay way(move_mm, turn, axis, wall_mm());
   if (result.work_n_mm > 0.0) places = cut_places(result, way, axis, bit.length_mm, feed_exponent);
   const double across_mm = std::sqrt(way.square_mm2(places.back_mm, places.back_mm2));
-  const double back_mm = bit.shape == BitShape::round_burr ? 0.5 * bit.radius_mm() : 0.5 * bit.tip_length_mm;
+  const double back_mm = 0.5 * bit.head_mm();
   const double factor = repair.factor(bone, path_pose, back_mm, bit.radius_mm(), move_mm.norm());
   const double removed_mm3 = factor * result.removed_mm3;
   const double fresh_mm = fresh.take(advance_mm, tip_mm, axis, hole_radius_mm(bit), removed_mm3 / area_mm2);
@@ -290,7 +288,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double dear = law.energy_factor(spindle.rpm);
   const double along_mm = dear * law.feed_times_factor_mm(advance_mm);
   const double aside_mm = dear * law.feed_times_factor_mm(across_mm);
-  if (is_plate(bit)) {
+  if (bit.is_plate()) {
     const Vec3 cut_mm_s = way_mm_s.at_mm(back_mm);
     // Driven aside an edge does not cut: it takes all of the energy from the hand.
     const double aside_n = bit.stroke_mm > 0.0 ? law.lip_thrust_share() * aside[0] * aside_mm / (2.0 * bit.stroke_mm)

@@ -26,9 +26,7 @@ double checked_transfer(const HoleHeatOptions& options) {
 
 }  // namespace
 
-double wall_back_mm(const DrillBit& bit) {
-  return kFinishedWallMm + (bit.shape == BitShape::round_burr ? bit.radius_mm() : bit.tip_length_mm);
-}
+double wall_back_mm(const DrillBit& bit) { return kFinishedWallMm + bit.head_mm(); }
 
 HoleHeat::HoleHeat(const HoleHeatOptions& options)
     : kernel_(options.radius_mm, options.distance_mm, checked_transfer(options)) {

@@ -8,6 +8,7 @@
 #include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 #include "core/plan/detail/other_readings.h"
+#include "core/tool/bit_shape.h"
 #include "core/tool/path_curve.h"
 
 namespace spinaltap {
@@ -83,15 +84,14 @@ bool meets(const DrillPath& path, const PathCheckBone& bone) {
 /// that go forward in the patient do not ask for them.
 bool is_from_front(const DrillPath& path, const PathCheckBone& bone) {
   constexpr double kTiltedMost = 0.2, kBackward = 0.5;  // sines: of a vertebra's tilt, and of 30 degrees
-  if (!bone.landmarks || path.bit.shape == BitShape::plate || !(path.direction().y() > kTiltedMost)) return false;
+  if (!bone.landmarks || path.bit.is_plate() || !(path.direction().y() > kTiltedMost)) return false;
   const Landmarks* marks = bone.landmarks();
   return marks != nullptr && path.direction().dot(marks->posterior()) > kBackward &&
          (path.entry_mm - marks->origin_mm).dot(marks->posterior()) < 0.0;
 }
 
 double tolerance_mm(const DrillPath& path, const PathCheckOptions& options) {
-  const bool cuts_beside = path.bit.shape != BitShape::drill && path.bit.shape != BitShape::tapered_screw;
-  return options.tolerance_mm + (cuts_beside ? path.bit.radius_mm() : 0.0);
+  return options.tolerance_mm + (traits_of(path.bit.shape).cuts_beside_path ? path.bit.radius_mm() : 0.0);
 }
 
 Lie lie_of(const DrillPath& path, const PathCheckBone& bone, const PathCheckOptions& options, double reach_mm) {

@@ -10,7 +10,7 @@ namespace spinaltap {
 // docs/drilling-benchmarks.md has a run. The numbers here are of points 0.1 mm apart and tools of 3 mm.
 std::string_view why_voxels(const SessionSetup& setup, const ExpectedWay& way) {
   if (!setup.options.has_path) return "no path";
-  if (setup.path.bit.shape == BitShape::plate) return "a plate";
+  if (setup.path.bit.is_plate()) return "a plate";
   if (setup.region_mm) return "a region";
   if (setup.options.has_device || way.is_free) return "a hand at a device";
   if (!way.keeps_to_path || !setup.options.follows_path) return "a way that leaves the path";

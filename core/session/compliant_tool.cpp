@@ -25,11 +25,10 @@ CompliantTool::CompliantTool(const DrillBit& bit, const ComplianceOptions& optio
   check_bit(bit);
   check_compliance(options);
   length_mm_ = options.free_length_mm > 0.0 ? options.free_length_mm : bit.length_mm;
-  const bool is_fluted = bit.shape == BitShape::drill;
   const double narrow_mm = bit.shank_diameter_mm > 0.0 ? bit.shank_diameter_mm : bit.diameter_mm;
-  const double full_mm4 = bit.shape == BitShape::plate ? bit.diameter_mm * std::pow(bit.thickness_mm, 3) / 12.0
-                                                       : std::numbers::pi * std::pow(narrow_mm, 4) / 64.0;
-  bending_n_mm2_ = 1e3 * options.young_gpa * full_mm4 * (is_fluted ? options.flutes_share : 1.0);
+  const double full_mm4 = bit.is_plate() ? bit.diameter_mm * std::pow(bit.thickness_mm, 3) / 12.0
+                                         : std::numbers::pi * std::pow(narrow_mm, 4) / 64.0;
+  bending_n_mm2_ = 1e3 * options.young_gpa * full_mm4 * (bit.has_flutes() ? options.flutes_share : 1.0);
 }
 
 double CompliantTool::free_mm(double guided_mm) const noexcept {

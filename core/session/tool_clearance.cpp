@@ -399,7 +399,7 @@ AxisPart deeper_along(const PathCurve& curve, double depth_mm, const Pose& pose,
 /// What the entry opening is looked for with: the bit, and for a plate a round one as wide as its diagonal.
 DrillPath opened_by(DrillPath path) {
   path.screw.reset();
-  if (path.bit.shape == BitShape::plate) {
+  if (path.bit.is_plate()) {
     constexpr double kTipMm = 0.1;
     const double diagonal_mm = std::hypot(path.bit.diameter_mm, path.bit.thickness_mm);
     path.bit = {diagonal_mm, path.bit.length_mm + kTipMm, kTipMm};

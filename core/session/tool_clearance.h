@@ -83,7 +83,7 @@ class ClearanceField {
  private:
   struct Lattice;
   static double reach_of(const DrillPath& path) {
-    return path.bit.shape == BitShape::plate ? kReachMm + path.bit.radius_mm() : kReachMm;
+    return path.bit.is_plate() ? kReachMm + path.bit.radius_mm() : kReachMm;
   }
   template <class Find>
   Clearance found(double length_mm, const Pose& pose, const Find& find) const noexcept;

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "core/base/check_range.h"
+#include "core/tool/bit_shape.h"
 
 namespace spinaltap {
 
 DrillSoundOptions sound_options(const SessionSetup& setup, DrillSoundOptions options) {
-  if (options.edges == 0) options.edges = edges_of(setup.path.bit);
+  if (options.edges == 0) options.edges = traits_of(setup.path.bit.shape).edges;
   const ComplianceOptions& compliance = setup.options.compliance;
   if (compliance.is_on && compliance.stall_n_mm > 0.0) {
     options.droop_per_n_mm = std::min(1.0, 1.0 / compliance.stall_n_mm);
@@ -20,10 +21,6 @@ DrillSoundOptions sound_options(const SessionSetup& setup, DrillSoundOptions opt
 DrillSoundInput sound_input(const Cycle& cycle, double rpm) {
   return {cycle.input.spindle_on ? rpm : 0.0, cycle.force.thrust_n, cycle.force.torque_n_mm,
           cycle.force.tip_density_g_cm3};
-}
-
-int edges_of(const DrillBit& bit) {
-  return bit.shape == BitShape::round_burr || bit.shape == BitShape::conical_burr ? 8 : 2;
 }
 
 SessionSound::SessionSound(const SessionSetup& setup, DrillSoundOptions options)

@@ -9,10 +9,6 @@
 
 namespace spinaltap {
 
-/// Cutting edges that pass a place in one turn: the two lips of a drill, 8 flutes of a burr, both ends of a saw's
-/// stroke. Only the number of a drill's is sure.
-int edges_of(const DrillBit& bit);
-
 /// Options with the speed's droop of the setup's motor, where that gives way, and with the edges of its tool, where
 /// `options` have 0.
 DrillSoundOptions sound_options(const SessionSetup& setup, DrillSoundOptions options);

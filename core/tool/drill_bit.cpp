@@ -104,7 +104,7 @@ void check_profile_bit(const DrillBit& bit) {
 /// Sizes of a plate; that other shapes have none.
 void check_plate(const DrillBit& bit) {
   constexpr double kMaxWidthMm = 200.0, kMaxLengthMm = 500.0, kMinThicknessMm = 0.05;
-  if (bit.shape != BitShape::plate) {
+  if (!bit.is_plate()) {
     if (bit.thickness_mm != 0.0 || bit.stroke_mm != 0.0)
       fail("drill bit: expected thickness and stroke of plates only");
     return;
@@ -131,7 +131,7 @@ void check_plate(const DrillBit& bit) {
 
 /// Helix and wear; that other shapes have the defaults.
 void check_flutes(const DrillBit& bit) {
-  if (bit.shape != BitShape::drill) {
+  if (!bit.has_flutes()) {
     const DrillBit usual;
     if (bit.helix_deg != usual.helix_deg || bit.wear_mm != usual.wear_mm) {
       fail("drill bit: expected a helix and wear of drills only");
@@ -214,7 +214,7 @@ void check_bit(const DrillBit& bit) {
   check_flutes(bit);
   check_profile_bit(bit);
   check_plate(bit);
-  if (bit.shape == BitShape::profile || bit.shape == BitShape::plate) return;
+  if (bit.shape == BitShape::profile || bit.is_plate()) return;
   const auto above_zero = [](double length_mm, const char* what) {
     if (!(length_mm > 0.0) || !std::isfinite(length_mm)) {
       fail("drill bit: expected a ", what, " above 0 mm, found ", length_mm, " mm");
@@ -252,7 +252,7 @@ std::optional<Pose> sound_pose(const Pose& pose, const DrillBit& bit) noexcept {
   if (!pose.tip_mm.allFinite() || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
   // A unit axis stays what it is, to the last bit.
   Pose sound{pose.tip_mm, std::abs(length - 1.0) < kExact ? pose.axis : Vec3(pose.axis / length)};
-  if (bit.shape != BitShape::plate) return sound;
+  if (!bit.is_plate()) return sound;
   const bool is_said = !(pose.side.array() == 0.0).all();
   if (is_said) {
     const double wide = pose.side.norm(), along = pose.side.dot(sound.axis);

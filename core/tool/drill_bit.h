@@ -50,6 +50,12 @@ struct DrillBit {
   double wear_mm = 0.0;     ///< height of the flat that wear has ground behind each lip
 
   double radius_mm() const { return 0.5 * diameter_mm; }
+  /// Else it turns, and is what it sweeps in a turn.
+  bool is_plate() const { return shape == BitShape::plate; }
+  /// Has lips, and lands behind them, wound by a helix.
+  bool has_flutes() const { return shape == BitShape::drill; }
+  /// How far back its cutting head ends: where it is widest.
+  double head_mm() const { return shape == BitShape::round_burr ? radius_mm() : tip_length_mm; }
   bool operator==(const DrillBit&) const = default;
 };
 

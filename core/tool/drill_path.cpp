@@ -101,7 +101,7 @@ void check_curve(const DrillPath& path) {
     fail_as(ErrorKind::geometry, "path ", name, ": expected bends wider than the bit's radius of ",
             path.bit.radius_mm(), " mm, found one with a radius of ", curve.min_radius_mm(), " mm");
   }
-  if (path.bit.shape == BitShape::plate)
+  if (path.bit.is_plate())
     fail_as(ErrorKind::geometry, "path ", name, ": expected no plate on a curved path: plates are straight");
   const double out_mm = stand_out_mm(BitProfile(path.bit), curve.min_radius_mm());
   if (!(out_mm <= kMaxStandOutMm)) {

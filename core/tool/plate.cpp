@@ -6,7 +6,7 @@
 namespace spinaltap {
 
 void check_turns(const DrillBit& tool, std::string_view what) {
-  if (tool.shape != BitShape::plate) return;
+  if (!tool.is_plate()) return;
   fail("expected a tool that turns, a drill or a burr, for ", what, ", found a plate (a saw, an osteotome)");
 }
 
@@ -20,7 +20,7 @@ Mat3 plate_rows(const Pose& pose) noexcept {
 
 PlateBox::PlateBox(const DrillBit& plate) {
   check_bit(plate);
-  if (plate.shape != BitShape::plate) fail("expected a plate, found a body of revolution");
+  if (!plate.is_plate()) fail("expected a plate, found a body of revolution");
   high_mm_ = Vec3(0.5 * plate.diameter_mm, 0.5 * plate.thickness_mm, plate.length_mm);
   low_mm_ = Vec3(-high_mm_.x(), -high_mm_.y(), 0.0);
 }

@@ -12,7 +12,7 @@ using ToolBody = std::variant<BitProfile, PlateBox>;
 
 /// Throws Error as check_bit does.
 inline ToolBody tool_body(const DrillBit& bit) {
-  if (bit.shape == BitShape::plate) return PlateBox(bit);
+  if (bit.is_plate()) return PlateBox(bit);
   return BitProfile(bit);
 }
 

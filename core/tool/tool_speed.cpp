@@ -1,6 +1,7 @@
 #include "core/tool/tool_speed.h"
 
 #include "core/base/text_writer.h"
+#include "core/tool/bit_shape.h"
 
 namespace spinaltap {
 namespace {
@@ -18,24 +19,9 @@ std::string meant(double value, double per, const char* unit, const char* ours, 
 
 }  // namespace
 
-ToolSpeedRange usual_speeds(const DrillBit& bit) {
-  switch (bit.shape) {
-    case BitShape::drill:
-      return {0.02, 20.0, 50.0, 100'000.0};
-    case BitShape::tapered_screw:
-      return {0.02, 20.0, 10.0, 100'000.0};
-    case BitShape::round_burr:
-    case BitShape::conical_burr:
-    case BitShape::profile:
-    case BitShape::plate:
-      break;
-  }
-  return {0.02, 200.0, 10.0, 100'000.0};
-}
-
 std::vector<std::string> speed_warnings(const DrillBit& bit, const std::vector<double>& feeds_mm_s,
                                         std::optional<double> rpm) {
-  const ToolSpeedRange range = usual_speeds(bit);
+  const ToolSpeedRange& range = traits_of(bit.shape).speeds;
   std::vector<std::string> warnings;
   for (const double feed_mm_s : feeds_mm_s) {
     if (is_within(feed_mm_s, range.min_feed_mm_s, range.max_feed_mm_s)) continue;
@@ -46,7 +32,7 @@ std::vector<std::string> speed_warnings(const DrillBit& bit, const std::vector<d
                  : meant(feed_mm_s, 1000.0, "m/s", "mm/s", range.min_feed_mm_s, range.max_feed_mm_s);
     warnings.push_back(words);
   }
-  if (rpm && *rpm != 0.0 && bit.shape != BitShape::plate && !is_within(*rpm, range.min_rpm, range.max_rpm)) {
+  if (rpm && *rpm != 0.0 && !bit.is_plate() && !is_within(*rpm, range.min_rpm, range.max_rpm)) {
     std::string words = joined("a spindle at ", short_text(*rpm), " rpm is beyond this tool's ",
                                short_text(range.min_rpm), " to ", short_text(range.max_rpm), " rpm");
     if (*rpm < range.min_rpm) {

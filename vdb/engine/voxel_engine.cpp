@@ -347,7 +347,7 @@ class VoxelEngine final : public SweptEngine {
 
 std::unique_ptr<DrillEngine> make_voxel_engine(VoxelBone& bone, const DrillBit& bit, const Material& material,
                                                const VoxelEngineOptions& options, const WordKernels& kernels) {
-  if (bit.shape == BitShape::plate) return make_plate_engine(bone, bit, material);
+  if (bit.is_plate()) return make_plate_engine(bone, bit, material);
   return std::make_unique<VoxelEngine>(bone, bit, material, options, kernels);
 }
 

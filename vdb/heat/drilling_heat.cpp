@@ -23,7 +23,7 @@ std::vector<HeatStep> heat_steps(std::span<const RecordedCycle> cycles, const Dr
 
 DrillingHeat run_drilling_heat(HeatGrid& grid, const DrillBit& bit, std::span<const HeatStep> steps,
                                const DrillingHeatOptions& options, const Progress& progress) {
-  if (bit.shape == BitShape::plate) fail("heat: expected a bit, found a plate, which drills no hole");
+  if (bit.is_plate()) fail("heat: expected a bit, found a plate, which drills no hole");
   if (!(options.step_s > 0.0) || !(options.max_rest_s >= 0.0) || !std::isfinite(options.max_rest_s)) {
     fail("heat: expected a step above 0 and a rest of 0 or more, found ", options.step_s, " and ", options.max_rest_s,
          " s");

@@ -63,7 +63,7 @@ DrilledBone::DrilledBone(std::span<const BoneModel> bones, const SessionSetup& s
   if (!setup.options.has_path) {
     fail("no path: expected the engine voxel, found ", name_of(engine), ", whose points fill a cylinder along one");
   }
-  if (setup.path.bit.shape == BitShape::plate) reject_plate(engine);
+  if (setup.path.bit.is_plate()) reject_plate(engine);
   const BoneModel& bone = bones.front();
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
@@ -116,7 +116,7 @@ void DrilledBone::set_living_words(std::span<const std::uint64_t> words) {
 
 std::unique_ptr<DrillEngine> DrilledBone::engine_for(const SessionSetup& setup, const DrillBit& bit) {
   if (voxels) return make_voxel_engine(*voxels, bit, setup.material);
-  if (bit.shape == BitShape::plate) reject_plate(chosen_engine(setup));
+  if (bit.is_plate()) reject_plate(chosen_engine(setup));
   std::vector<std::unique_ptr<DrillEngine>> engines;
   for (PointVolume& volume : volumes) {
     engines.push_back(make_engine(chosen_engine(setup), volume, bit, setup.material));

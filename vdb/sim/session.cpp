@@ -69,7 +69,7 @@ struct Session::State {
   std::unique_ptr<ClearanceField> clearances_from(const DrillBit& before) const {
     const DrillBit& now = setup.path.bit;
     if (!built.clearances || !setup.options.has_path || now == before) return nullptr;
-    if (now.shape != BitShape::plate && before.shape != BitShape::plate) {
+    if (!now.is_plate() && !before.is_plate()) {
       return std::make_unique<ClearanceField>(built.clearances->with_entry_of(setup.path));
     }
     std::vector<const WallDistance*> walls;
@@ -132,7 +132,7 @@ struct Session::State {
     }
   }
   void set_tool(const DrillBit& bit) {
-    if (record && bit.shape == BitShape::plate && !record_parts(setup.path.bit, setup.options).has_sides) {
+    if (record && bit.is_plate() && !record_parts(setup.path.bit, setup.options).has_sides) {
       fail("expected no plate in a record that was begun with a tool that turns: it has no room for a plate's sides");
     }
     if (cycles == 0 && !record) {
@@ -196,7 +196,7 @@ SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, Sessio
 
 /// Whether a tool on one path may take over the distances to walls of another: those of a plate are of its own size.
 bool shares_walls(const DrillPath& a, const DrillPath& b) {
-  const bool has_plate = a.bit.shape == BitShape::plate || b.bit.shape == BitShape::plate;
+  const bool has_plate = a.bit.is_plate() || b.bit.is_plate();
   return a.entry_mm == b.entry_mm && a.target_mm == b.target_mm && a.via_mm == b.via_mm &&
          (!has_plate || a.bit == b.bit);
 }

@@ -57,8 +57,7 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   const bool is_milling = plan.tool_operator == "milling";
   setup.has_clearances = !is_milling;
   setup.options.stop.on_breach = plan.stops_on_breach && !is_milling;
-  if (!is_milling && path.bit.shape != BitShape::plate)
-    setup.options.heat = HeatOptions{.bone = shipped_thermal_bone()};
+  if (!is_milling && !path.bit.is_plate()) setup.options.heat = HeatOptions{.bone = shipped_thermal_bone()};
   if (plan.source) plan.source->prepare(setup);
   return setup;
 }

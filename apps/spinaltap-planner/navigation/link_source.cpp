@@ -85,7 +85,7 @@ OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progre
   options.points = plan_points(setup.path);
   server_ = std::make_shared<LinkServer>(options);
   teller_ = {};
-  auto tool = std::make_unique<LinkedTool>(server_, tracking_, setup.path.bit.shape == BitShape::plate);
+  auto tool = std::make_unique<LinkedTool>(server_, tracking_, setup.path.bit.is_plate());
   try {
     while (!tool->hear()) {
       if (tool->is_ended()) fail("link: it was ended before a tool came");

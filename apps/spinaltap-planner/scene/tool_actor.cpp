@@ -130,7 +130,7 @@ vtkSmartPointer<vtkPolyData> plate_mesh(const PlateBox& plate) {
 }  // namespace
 
 vtkSmartPointer<vtkPolyData> bit_mesh(const DrillBit& bit) {
-  if (bit.shape == BitShape::plate) return plate_mesh(PlateBox(bit));
+  if (bit.is_plate()) return plate_mesh(PlateBox(bit));
   const BitProfile profile(bit);
   RevolvedBit mesh;
   double radius_mm = 0.0;

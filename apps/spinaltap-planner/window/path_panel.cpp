@@ -217,7 +217,7 @@ void PathPanel::fill_form() {
     std::size_t bit = 0;
     while (bit < bits_.size() && !(bits_[bit].bit == path->bit)) ++bit;
     bit_->setCurrentIndex(static_cast<int>(bit));
-    const bool is_plate = path->bit.shape == BitShape::plate;
+    const bool is_plate = path->bit.is_plate();
     bit_diameter_->setRange(is_plate ? 0.05 : 0.5, is_plate ? 200.0 : 20.0);
     bit_length_->setRange(is_plate ? 0.05 : 5.0, is_plate ? 500.0 : 300.0);
     bit_diameter_->setValue(path->bit.diameter_mm);

@@ -177,7 +177,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
 
 Json json_of(const DrilledHole& hole) {
   // A pose is the tip's place, mm, and the axis, of a plate its side too, where it is another than the pose before had.
-  const bool has_sides = hole.bit.shape == BitShape::plate;
+  const bool has_sides = hole.bit.is_plate();
   Json ways = Json::array();
   for (const std::vector<Pose>& way : hole.ways) {
     Json poses = Json::array();
@@ -204,7 +204,7 @@ const Json& list_of(const JsonObject& object, const char* key, const fs::path& f
 
 Pose read_pose(const Json& json, const DrillBit& bit, const Pose& before, const fs::path& file) {
   constexpr double kMaxMm = 1e4;
-  const bool has_sides = bit.shape == BitShape::plate;
+  const bool has_sides = bit.is_plate();
   const std::size_t whole = has_sides ? 9 : 6;
   const bool is_pose = json.is_array() && (json.size() == 3 || json.size() == whole) &&
                        std::ranges::all_of(json, [](const Json& one) { return one.is_number(); });

@@ -41,7 +41,7 @@ Json to_json(const DrillBit& bit) {
     for (const OutlinePoint& point : bit.outline) json["outline"].push_back(outline_point_json(point));
     return json;
   }
-  if (bit.shape == BitShape::plate) {
+  if (bit.is_plate()) {
     Json json{{"shape", name_of(bit.shape)},
               {"width_mm", bit.diameter_mm},
               {"thickness_mm", bit.thickness_mm},

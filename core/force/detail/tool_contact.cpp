@@ -26,8 +26,7 @@ const std::array<Eigen::Vector2d, kProbesAround>& probes_around() noexcept {
 
 }  // namespace
 
-ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit)
-    : bone_(&bone), is_plate_(bit.shape == BitShape::plate) {
+ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit) : bone_(&bone), is_plate_(bit.is_plate()) {
   if (is_plate_) {
     const PlateBox box(bit);
     section_mm2_ = bit.diameter_mm * bit.thickness_mm;

@@ -7,7 +7,7 @@ namespace spinaltap {
 
 WallSupport::WallSupport(const LivingBone& bone, const DrillBit& bit)
     : bone_(&bone),
-      has_lands_(bit.shape == BitShape::drill),
+      has_lands_(bit.has_flutes()),
       radius_mm_(bit.radius_mm()),
       section_mm2_(std::numbers::pi * bit.radius_mm() * bit.radius_mm()),
       begin_mm_(bit.tip_length_mm),

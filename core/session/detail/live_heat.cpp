@@ -12,7 +12,7 @@ namespace {
 HoleHeatOptions hole_options(const DrillPath& path, const HeatOptions& options) {
   constexpr double kBeyondMm = 20.0;  // operators may go further than the target
   constexpr double kMaxMm = 1000.0;   // that HoleHeat takes
-  if (path.bit.shape == BitShape::plate) fail("session: expected a bit for heat, found a plate, which drills no hole");
+  if (path.bit.is_plate()) fail("session: expected a bit for heat, found a plate, which drills no hole");
   return {.radius_mm = path.bit.radius_mm(),
           .length_mm = std::min(path.length_mm() + kBeyondMm, kMaxMm),
           .distance_mm = options.distance_mm,

@@ -89,7 +89,7 @@ void MotionLog::take_tool(const DrillBit& bit) {
 
 /// Only plates are turned about their axis.
 void MotionLog::make_room_for(const DrillBit& bit) {
-  if (sides_ || bit.shape != BitShape::plate) return;
+  if (sides_ || !bit.is_plate()) return;
   sides_ = std::make_unique_for_overwrite<double[]>(3 * most_);
   std::fill_n(sides_.get(), 3 * size_, 0.0);
 }

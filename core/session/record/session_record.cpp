@@ -87,7 +87,7 @@ RecordedCycle recorded(const Cycle& cycle) {
 }
 
 RecordParts record_parts(const DrillBit& tool, const SessionOptions& options) {
-  return {.has_sides = tool.shape == BitShape::plate || options.has_device,
+  return {.has_sides = tool.is_plate() || options.has_device,
           .has_heat = options.heat.has_value(),
           .has_device = options.has_device};
 }

@@ -140,7 +140,7 @@ std::vector<BitSweep> cut_way(const Tool& tool, std::span<const Pose> poses, dou
 
 std::vector<BitSweep> cut_into_sweeps(const DrillBit& bit, std::span<const Pose> poses, double tolerance_mm,
                                       double longest_mm) {
-  if (bit.shape == BitShape::plate) return cut_way(PlateTool(bit), poses, tolerance_mm, longest_mm);
+  if (bit.is_plate()) return cut_way(PlateTool(bit), poses, tolerance_mm, longest_mm);
   return cut_way(RevolvedTool(bit), poses, tolerance_mm, longest_mm);
 }
 

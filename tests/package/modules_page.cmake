@@ -1,16 +1,16 @@
-# cmake -D SOURCE_DIR=... -P: writes docs/rooms.md from the sources: which room includes which, and how large each is.
+# cmake -D SOURCE_DIR=... -P: writes docs/modules.md from the sources: which module includes which, and how large each is.
 # With -D CHECK=ON it says instead whether the page that is there is that.
 cmake_minimum_required(VERSION 3.25)
-include(${CMAKE_CURRENT_LIST_DIR}/rooms.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/modules.cmake)
 
 set(table "")
 set(edges "")
-foreach(room IN LISTS rooms)
-  file(GLOB files ${SOURCE_DIR}/${room}/*.h ${SOURCE_DIR}/${room}/*.cpp ${SOURCE_DIR}/${room}/*.inl)
-  file(GLOB_RECURSE detail ${SOURCE_DIR}/${room}/detail/*.h ${SOURCE_DIR}/${room}/detail/*.cpp
-       ${SOURCE_DIR}/${room}/detail/*.inl)
-  if(room MATCHES "^apps/spinaltap")
-    file(GLOB_RECURSE files ${SOURCE_DIR}/${room}/*.h ${SOURCE_DIR}/${room}/*.cpp)
+foreach(module IN LISTS modules)
+  file(GLOB files ${SOURCE_DIR}/${module}/*.h ${SOURCE_DIR}/${module}/*.cpp ${SOURCE_DIR}/${module}/*.inl)
+  file(GLOB_RECURSE detail ${SOURCE_DIR}/${module}/detail/*.h ${SOURCE_DIR}/${module}/detail/*.cpp
+       ${SOURCE_DIR}/${module}/detail/*.inl)
+  if(module MATCHES "^apps/spinaltap")
+    file(GLOB_RECURSE files ${SOURCE_DIR}/${module}/*.h ${SOURCE_DIR}/${module}/*.cpp)
     set(detail "")
   endif()
   set(used "")
@@ -28,25 +28,25 @@ foreach(room IN LISTS rooms)
     foreach(include IN LISTS includes)
       string(REGEX REPLACE "#include \"(.*)/[^/]*\"" "\\1" folder "${include}")
       string(REGEX REPLACE "/detail$" "" folder "${folder}")
-      if(folder IN_LIST rooms AND NOT folder STREQUAL room)
+      if(folder IN_LIST modules AND NOT folder STREQUAL module)
         list(APPEND used ${folder})
       endif()
     endforeach()
   endforeach()
   list(REMOVE_DUPLICATES used)
-  # In the order of the rooms.
+  # In the order of the modules.
   set(ordered "")
-  foreach(other IN LISTS rooms)
+  foreach(other IN LISTS modules)
     if(other IN_LIST used)
       list(APPEND ordered ${other})
     endif()
   endforeach()
-  set(uses_${room} ${ordered})
+  set(uses_${module} ${ordered})
   list(LENGTH files file_count)
   list(LENGTH detail detail_count)
   math(EXPR all "${file_count} + ${detail_count}")
   list(JOIN ordered ", " words)
-  string(APPEND table "| ${room} | ${public} | ${all} | ${lines} | ${words} |\n")
+  string(APPEND table "| ${module} | ${public} | ${all} | ${lines} | ${words} |\n")
 endforeach()
 
 # The graph has an arrow only where no other way leads there.
@@ -64,10 +64,10 @@ function(reaches from to out)
   endforeach()
   set(${out} ${found} PARENT_SCOPE)
 endfunction()
-foreach(room IN LISTS rooms)
-  foreach(other IN LISTS uses_${room})
+foreach(module IN LISTS modules)
+  foreach(other IN LISTS uses_${module})
     set(is_long_known FALSE)
-    foreach(between IN LISTS uses_${room})
+    foreach(between IN LISTS uses_${module})
       if(NOT between STREQUAL other)
         reaches(${between} ${other} is_long_known)
         if(is_long_known)
@@ -76,32 +76,32 @@ foreach(room IN LISTS rooms)
       endif()
     endforeach()
     if(NOT is_long_known)
-      string(APPEND edges "    ${room} --> ${other}\n")
+      string(APPEND edges "    ${module} --> ${other}\n")
     endif()
   endforeach()
 endforeach()
 
-set(page "# Rooms\n
-The code lies in rooms. A room uses those above it in the table and none below; `tests/package/check_folders.cmake` rejects
-any other include. Public headers lie flat in a room; what nobody outside needs is in its `detail/`. This page is made from
-the code: `cmake -D SOURCE_DIR=. -P tests/package/rooms_page.cmake`.\n
-| room | public headers | files | lines | uses |
+set(page "# Modules\n
+The code lies in modules. A module uses those above it in the table and none below; `tests/package/check_folders.cmake` rejects
+any other include. Public headers lie flat in a module; what nobody outside needs is in its `detail/`. This page is made from
+the code: `cmake -D SOURCE_DIR=. -P tests/package/modules_page.cmake`.\n
+| module | public headers | files | lines | uses |
 |---|---|---|---|---|
 ${table}
-An arrow leads from a room to what it uses; those that follow from others are left out.\n
+An arrow leads from a module to what it uses; those that follow from others are left out.\n
 ```mermaid
 graph BT
 ${edges}```
 ")
 if(CHECK)
-  file(READ ${SOURCE_DIR}/docs/rooms.md found)
+  file(READ ${SOURCE_DIR}/docs/modules.md found)
   # Counts change with every commit; who uses whom is what must be told.
   foreach(name page found)
     string(REGEX REPLACE "\\| [0-9]+ \\| [0-9]+ \\| [0-9]+ \\|" "|" ${name} "${${name}}")
   endforeach()
   if(NOT page STREQUAL found)
-    message(FATAL_ERROR "docs/rooms.md is not what the code says: cmake -D SOURCE_DIR=. -P tests/package/rooms_page.cmake")
+    message(FATAL_ERROR "docs/modules.md is not what the code says: cmake -D SOURCE_DIR=. -P tests/package/modules_page.cmake")
   endif()
 else()
-  file(WRITE ${SOURCE_DIR}/docs/rooms.md "${page}")
+  file(WRITE ${SOURCE_DIR}/docs/modules.md "${page}")
 endif()
