@@ -69,7 +69,7 @@ function(spinaltap_whole)
   foreach(folder core vdb mesh)
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${include}/${folder} SYMBOLIC)
   endforeach()
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/mesh/spinaltap.h ${include}/spinaltap.h SYMBOLIC)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/vdb/sim/spinaltap.h ${include}/spinaltap.h SYMBOLIC)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/vdb/sim/spinaltap_c.h ${include}/spinaltap_c.h SYMBOLIC)
 
   add_library(spinaltap_all INTERFACE)

@@ -2,6 +2,7 @@
 
 #include "mesh/decimate.h"
 #include "mesh/remaining_mesh.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
 

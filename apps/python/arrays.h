@@ -12,9 +12,9 @@
 
 #include "core/base/geometry.h"
 #include "core/base/triangle_mesh.h"
+#include "core/session/cycle.h"
 #include "core/session/operator/operator.h"
 #include "core/session/record/session_record.h"
-#include "core/session/session_event.h"
 #include "core/study/study_row.h"
 
 namespace spinaltap {

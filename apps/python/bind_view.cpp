@@ -11,7 +11,7 @@
 #include "apps/python/bindings.h"
 #include "core/base/error.h"
 #include "core/base/view.h"
-#include "core/session/record/recorded_frames.h"
+#include "core/session/record/session_record.h"
 
 namespace py = pybind11;
 using namespace py::literals;

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/plan/bone_shape.h"
+
 namespace spinaltap {
 namespace {
 

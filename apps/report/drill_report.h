@@ -7,8 +7,8 @@
 
 #include "apps/report/html_report.h"
 #include "core/ct/ct_volume.h"
+#include "core/session/cycle.h"
 #include "core/session/real_time/real_time.h"
-#include "core/session/session_event.h"
 #include "core/tool/drill_path.h"
 #include "vdb/sim/bone.h"
 

@@ -7,8 +7,8 @@
 
 #include "apps/report/html_report.h"
 #include "apps/report/svg_plot.h"
+#include "core/session/cycle.h"
 #include "core/session/real_time/real_time.h"
-#include "core/session/session_event.h"
 
 namespace spinaltap {
 

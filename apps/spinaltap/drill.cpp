@@ -13,7 +13,7 @@
 #include "apps/spinaltap/stage_times.h"
 #include "core/base/error.h"
 #include "core/files/plan_file.h"
-#include "core/session/session_event.h"
+#include "core/session/cycle.h"
 #include "core/tool/tool_speed.h"
 
 namespace spinaltap {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/scalar_field.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
 

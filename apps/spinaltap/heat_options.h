@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "core/session/session_heat.h"
+#include "core/heat/thermal_bone.h"
 
 namespace spinaltap {
 

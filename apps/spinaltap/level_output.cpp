@@ -10,6 +10,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/input_warnings.h"
 #include "core/base/text_writer.h"
+#include "core/segment/level_names.h"
 
 namespace spinaltap {
 namespace {

@@ -22,6 +22,7 @@
 #include "vdb/picture/render.h"
 #include "vdb/picture/view.h"
 #include "vdb/sim/bone_identity.h"
+#include "vdb/sim/recorded_hole.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {

@@ -13,6 +13,7 @@
 #include "apps/spinaltap/stage_times.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/ct/dicom_source.h"
 #include "core/ct/label_map.h"
 #include "vdb/sim/label_warnings.h"
 

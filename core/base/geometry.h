@@ -26,4 +26,10 @@ double angle_between_rad(const Vec3& a, const Vec3& b);
 /// The smallest box around points; empty without any.
 Box3 bounds_of(std::span<const Vec3> points);
 
+/// A range of numbers, both ends in it.
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
 }  // namespace spinaltap

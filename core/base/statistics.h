@@ -3,13 +3,9 @@
 #include <cstddef>
 #include <span>
 
-namespace spinaltap {
+#include "core/base/geometry.h"
 
-/// A range of numbers, both ends in it.
-struct Interval {
-  double low = 0.0;
-  double high = 0.0;
-};
+namespace spinaltap {
 
 /// Wilson's score interval for a probability that was met `successes` times in `trials` independent trials (Wilson,
 /// "Probable inference, the law of succession, and statistical inference", J. Am. Stat. Assoc. 1927). Stays within 0

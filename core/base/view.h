@@ -60,6 +60,7 @@ struct View {
   /// Height x width: Seen.
   std::vector<std::uint8_t> mask;
 
+  /// Where a pixel is in the arrays. `column` from the left, `row` from the top, both from 0.
   std::size_t pixel(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(column);
   }

@@ -49,6 +49,16 @@ struct BoneMask {
   bool at(int i, int j, int k) const { return inside[geometry.offset(i, j, k)] != 0; }
 };
 
+/// Where a CT shows nothing that was scanned: slabs between slices that stand too far apart, filled by interpolation
+/// because someone asked for it.
+struct MadeUpSlices {
+  Vec3 normal = Vec3::UnitZ();       ///< of the slices: unit, patient LPS
+  std::vector<Interval> slabs_mm{};  ///< along it, from patient LPS' origin; ascending, apart from each other
+
+  /// Whether one of them reaches to within `reach_mm` of a point, along the normal.
+  bool holds(const Vec3& p_mm, double reach_mm = 0.0) const;
+};
+
 /// Checks sizes and geometry and fills in the hashes. Throws Error.
 CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> hu);
 

@@ -15,14 +15,17 @@ struct GridGeometry {
   Vec3 spacing_mm = Vec3::Ones();      ///< step of i, j and k
   Mat3 directions = Mat3::Identity();  ///< column c: unit vector in patient LPS along which index c grows
 
+  /// Of all of the grid.
   std::size_t voxel_count() const {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
   }
+  /// Place of a voxel, which must be in the grid, in arrays with i fastest.
   std::size_t offset(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j)) *
                static_cast<std::size_t>(size[0]) +
            static_cast<std::size_t>(i);
   }
+  /// Whether there is such a voxel.
   bool contains(int i, int j, int k) const {
     return i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2];
   }
@@ -40,5 +43,12 @@ struct GridGeometry {
 /// Rejects sizes below 1 or over `max_voxels`, spacing that is not above zero, values that are not finite, and axes
 /// that are not unit vectors at right angles within 1e-3. `what` names the grid in the message.
 void check_geometry(const GridGeometry& geometry, const char* what, std::size_t max_voxels = std::size_t{1} << 31);
+
+/// Which of a NIfTI file's two transforms says where its voxels lie.
+enum class NiftiAffine {
+  automatic,  ///< the one that is sure; an error where neither is
+  sform,
+  qform,
+};
 
 }  // namespace spinaltap

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <span>
+
+#include "core/base/geometry.h"
 
 namespace spinaltap {
 
@@ -23,6 +26,7 @@ struct CalibrationPair {
   double density_g_cm3 = 0.0;
 };
 
+/// A line and where it is from.
 struct DensityCalibration {
   HuToDensity line;
   double rms_residual_g_cm3 = 0.0;  ///< root mean square of what the pairs miss the line by
@@ -32,5 +36,11 @@ struct DensityCalibration {
 /// The line of least squares (in density) through measured pairs, in the order of the pairs. Throws Error where fewer
 /// than two CT numbers differ, where a number is not finite, and where the line does not rise.
 DensityCalibration calibrate_density(std::span<const CalibrationPair> pairs);
+
+/// CT numbers (HU) at positions (patient LPS, mm).
+using HuSampler = std::function<void(std::span<const Vec3>, std::span<float>)>;
+
+/// Densities (g/cm³) at positions (patient LPS, mm); 0 where there is no bone.
+using DensitySampler = std::function<void(std::span<const Vec3>, std::span<double>)>;
 
 }  // namespace spinaltap

@@ -244,4 +244,8 @@ std::string encode_label_volume(const LabelVolume& volume, const std::filesystem
   return encode(volume.geometry, std::string(volume.labels.begin(), volume.labels.end()), false, segments, true, name);
 }
 
+std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name) {
+  return encode_label_volume(volume, name, DicomSource{});
+}
+
 }  // namespace spinaltap

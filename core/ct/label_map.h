@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/ct/ct_volume.h"
-#include "core/ct/nifti_affine.h"
+#include "core/ct/grid_geometry.h"
 
 namespace spinaltap {
 

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "core/ct/ct_volume.h"
-#include "core/ct/dicom_source.h"
+#include "core/ct/grid_geometry.h"
 #include "core/ct/level.h"
-#include "core/ct/nifti_affine.h"
 
 namespace spinaltap {
+
+struct DicomSource;
 
 /// What the numbers of a label map stand for; docs/label-maps.md has the tables and their sources.
 enum class LabelConvention {
@@ -51,6 +52,7 @@ struct LabelVolume {
   std::vector<std::string> warnings{};  ///< what speaks against the place of the file's voxels, a line each
 };
 
+/// How read_label_volume() takes a file.
 struct LabelReadOptions {
   LabelConvention convention = LabelConvention::automatic;
   NiftiAffine affine = NiftiAffine::automatic;  ///< of a NIfTI file whose two transforms differ
@@ -90,7 +92,9 @@ BoneMask mask_of(const LabelVolume& volume, Level level);
 /// reads them again; a DICOM segmentation's labels are then 1, 2, 3, ... The same volume gives the same bytes. Throws
 /// Error on another ending, and on names with line breaks.
 std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name,
-                                const DicomSource& source = {});
+                                const DicomSource& source);
+/// The same, naming no images.
+std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name);
 
 /// Whether a label map of that name is a DICOM object, which wants to name its CT's images.
 bool is_dicom_label_name(const std::filesystem::path& name);

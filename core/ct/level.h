@@ -23,6 +23,12 @@ enum class Level : std::uint8_t {
   kT13 = 28,
 };
 
+/// A level that a body may be.
+struct LevelOdds {
+  Level level = Level::kNone;
+  double probability = 0.0;
+};
+
 /// "T11", "L3", "sacrum"; empty for kNone and for numbers that are none of the above.
 std::string level_name(Level level);
 

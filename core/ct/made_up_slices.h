@@ -3,22 +3,10 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "core/base/geometry.h"
-#include "core/base/statistics.h"
+#include "core/ct/ct_volume.h"
 
 namespace spinaltap {
-
-/// Where a CT shows nothing that was scanned: slabs between slices that stand too far apart, filled by interpolation
-/// because someone asked for it.
-struct MadeUpSlices {
-  Vec3 normal = Vec3::UnitZ();       ///< of the slices: unit, patient LPS
-  std::vector<Interval> slabs_mm{};  ///< along it, from patient LPS' origin; ascending, apart from each other
-
-  /// Whether one of them reaches to within `reach_mm` of a point, along the normal.
-  bool holds(const Vec3& p_mm, double reach_mm = 0.0) const;
-};
 
 /// As the metadata "made_up_slices_mm" (the normal, then each slab's ends) of a CT or of a bone, and back. Nothing is
 /// added where there are none; nothing is read where there is no such metadata, or it is no such numbers.

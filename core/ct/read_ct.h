@@ -5,10 +5,11 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
-#include "core/ct/nifti_affine.h"
+#include "core/ct/grid_geometry.h"
 
 namespace spinaltap {
 
+/// How read_ct() takes files.
 struct CtReadOptions {
   std::string series{};   ///< SeriesInstanceUID or number, where a folder holds several
   int stack = 0;          ///< which of the series' stacks, from 1, where it holds several acquisitions; 0: the only one

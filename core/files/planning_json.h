@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/files/json_file.h"
+#include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
 
 namespace spinaltap {

@@ -9,20 +9,10 @@
 
 #include "core/session/session_setup.h"
 #include "core/study/study_row.h"
+#include "core/study/study_shard.h"
 #include "core/study/study_spec.h"
 
 namespace spinaltap {
-
-/// What a study is, down to the last number that its results depend on; two studies with the same are one.
-struct StudyIdentity {
-  std::string study;  ///< all inputs, with the bone's fingerprint and the program's version: JSON on one line
-  std::size_t runs = 0;
-
-  std::string hash() const;
-};
-
-/// Rows of finished runs by number, as text: study_csv(). Text, since it is what must come out the same.
-using StudyRows = std::map<std::size_t, std::string>;
 
 /// Makes the folder, or finds it, and writes study.json where there is none. Throws Error where it holds another study.
 void open_study_folder(const std::filesystem::path& folder, const StudyIdentity& identity);

@@ -1,27 +1,10 @@
 #pragma once
 
+#include "core/force/drill_force.h"
 #include "core/points/material.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
-
-/// What the bone in front of a bit asks of a feed: thrust and torque for any feed per turn. An operator that pushes
-/// finds its feed from it.
-struct FeedResistance {
-  double lips_n = 0.0;             ///< thrust of the lips at the reference feed
-  double lips_n_mm = 0.0;          ///< torque at the reference feed
-  double chisel_n = 0.0;           ///< thrust of the chisel edge and of worn flanks, at any feed above 0
-  double reference_feed_mm = 0.1;  ///< per turn
-  double feed_exponent = 0.3;
-  double rub_n_mm = 0.0;  ///< torque of worn flanks and of margins in their hole, at any feed above 0
-
-  /// N. 0 at a feed of 0; rises with the feed.
-  double thrust_n(double feed_mm_per_turn) const noexcept;
-  /// N·mm, about the bit's axis.
-  double torque_n_mm(double feed_mm_per_turn) const noexcept;
-  /// N·mm: the part of it that is not the lips'.
-  double rubbing_n_mm(double feed_mm_per_turn) const noexcept;
-};
 
 /// The hole that a bit stands in: what its margins rub on and how full its flutes are.
 struct DrilledDepth {

@@ -4,43 +4,12 @@
 #include <memory>
 #include <span>
 
-#include "core/base/statistics.h"
 #include "core/engine/drill_engine.h"
 #include "core/force/cutting_law.h"
+#include "core/force/drill_force.h"
 #include "core/points/living_bone.h"
 
 namespace spinaltap {
-
-/// What makes a bit cut: how fast it turns and how fast it moves.
-struct Spindle {
-  double rpm = 1250.0;       ///< 0: off; of a saw: strokes to and fro a minute, its feed per turn that per stroke
-  bool is_clockwise = true;  ///< seen from the base to the tip, as drills turn
-};
-
-/// How bone holds a tool by contact and by its hole's wall, for who moves it by forces: as springs, one for each place
-/// that is touched.
-struct ToolHold {
-  Vec3 moment_n_mm = Vec3::Zero();  ///< of contact and wall on the tool about its tip, patient LPS
-  /// Force (N) and moment about the tip (N·mm) against a small way of the tip (mm) and a small turn (rad): 6 by 6, row
-  /// by row, symmetric, without negative eigenvalues; patient LPS.
-  std::array<double, 36> stiffness = {};
-};
-
-/// Forces on the bit after a cycle. Vectors: patient LPS, N; what the operator that holds the bit feels.
-struct DrillForce {
-  Vec3 force_n = Vec3::Zero();  ///< all of it: against the feed, sideways, and contact
-  double thrust_n = 0.0;        ///< of cutting, against the bit's axis: lips and chisel edge
-  double torque_n_mm = 0.0;     ///< of cutting, about the bit's axis
-  /// 5 % and 95 % of thrust and torque, as sources differ; see ForceBand.
-  Interval thrust_band_n = {}, torque_band_n_mm = {};
-  Vec3 lateral_n = Vec3::Zero();  ///< of cutting, across the axis
-  Vec3 contact_n = Vec3::Zero();  ///< of touching without cutting
-  Vec3 support_n = Vec3::Zero();  ///< of its hole's wall, which holds a turning drill that is pushed sideways
-  double feed_mm_per_turn = 0.0;
-  double tip_density_g_cm3 = 0.0;  ///< of the living bone just ahead of the chisel edge; 0 where there is none
-  FeedResistance resistance;
-  ToolHold hold;  ///< zero unless asked for: DrillForces::tell_hold()
-};
 
 /// Turns what a step removed into forces: docs/forces.md. Removal comes in bursts, disc by disc; the work is therefore
 /// averaged over the last way of the tip, some spacings long, so that the forces depend neither on the step's length

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/plan/bone_shape.h"
 #include "core/plan/landmarks.h"
 
 namespace spinaltap {

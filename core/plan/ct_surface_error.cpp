@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/statistics.h"
 
 namespace spinaltap {
 namespace {

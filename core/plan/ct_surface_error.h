@@ -3,7 +3,6 @@
 #include <span>
 
 #include "core/base/geometry.h"
-#include "core/base/statistics.h"
 
 namespace spinaltap {
 

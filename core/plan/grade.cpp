@@ -12,9 +12,12 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/force/force_band.h"
+#include "core/plan/bone_density.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
+#include "core/plan/instrument.h"
+#include "core/plan/path_side.h"
 #include "core/tool/plate.h"
 
 namespace spinaltap {

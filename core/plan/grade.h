@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "core/force/drill_forces.h"
-#include "core/plan/instrument.h"
-#include "core/plan/neighbour_contact.h"
-#include "core/plan/path_doubt.h"
-#include "core/plan/path_side.h"
+#include "core/base/geometry.h"
+#include "core/ct/hu_to_density.h"
+#include "core/force/drill_force.h"
+#include "core/plan/path_findings.h"
 #include "core/plan/screw_hold.h"
-#include "core/plan/wall_distance.h"
-#include "core/points/material.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
+
+class WallDistance;
+struct Material;
 
 /// Gertzbein & Robbins 1990: A no breach, B below 2 mm, C from 2 to below 4, D from 4 to below 6, E from 6 mm on.
 enum class Grade { A, B, C, D, E };
@@ -34,6 +34,7 @@ char rampersaud(double breach_mm);
 /// (the cranial one, which the scale does not name, counts here too); V cord, root or great vessel endangered, which a
 /// person decides: told from a canal breach of 4 mm on.
 enum class Heary { I, II, III, IV, V };
+/// "I" to "V".
 const char* name_of(Heary grade);
 
 /// Babu et al. 2012, of screw and head in the superior articular process: 0 not in the facet; 1 in its lateral part,
@@ -41,6 +42,7 @@ const char* name_of(Heary grade);
 /// on.
 int babu(const InstrumentContacts& contacts);
 
+/// How finely a path is graded, and by which models.
 struct GradeOptions {
   double step_mm = 0.25;                       ///< along the path
   std::vector<double> hu_bands{135.0, 375.0};  ///< borders, ascending
@@ -76,6 +78,7 @@ struct Approach {
   Vec3 normal = Vec3::Zero();  ///< of the wall there: unit, out of the bone, patient LPS; zero where none is near
 };
 
+/// How safe a path is: grade_path(). Lengths in mm, depths along the path from the entry.
 struct PathGrade {
   Grade grade = Grade::A;
   double breach_mm = 0.0;        ///< of the tool's surface beyond the bone's, behind the entry opening's end

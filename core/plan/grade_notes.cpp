@@ -2,6 +2,8 @@
 
 #include "core/base/text_writer.h"
 #include "core/plan/grade.h"
+#include "core/plan/neighbour_contact.h"
+#include "core/plan/path_doubt.h"
 
 namespace spinaltap {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/text_writer.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/detail/instrument_body.h"
 
 namespace spinaltap {

@@ -4,9 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/bone_shape.h"
+#include "core/base/geometry.h"
+#include "core/base/progress.h"
 
 namespace spinaltap {
+
+class BoneShape;
 
 /// A pedicle at its isthmus, the narrowest section between the vertebra's arch and its body. Patient LPS, mm.
 struct PedicleLandmarks {
@@ -34,6 +37,7 @@ struct Landmarks {
   Vec3 left() const { return axes.col(0); }
   Vec3 posterior() const { return axes.col(1); }
   Vec3 superior() const { return axes.col(2); }
+  /// A place of the patient (LPS, mm) in the vertebra's own frame, mm, and back.
   Vec3 to_own(const Vec3& p_patient) const;
   Vec3 to_patient(const Vec3& p_own) const;
 

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/landmarks.h"
+#include "core/base/geometry.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
+
+struct Landmarks;
 
 /// How two numbers scatter across a path: towards the midsagittal plane (medial) and upward (cranial), in the
 /// vertebra's own frame. Their law: a standard normal vector whose length is replaced by one of a Weibull law, so that

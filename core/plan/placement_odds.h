@@ -9,6 +9,7 @@
 #include "core/base/statistics.h"
 #include "core/plan/grade.h"
 #include "core/plan/placement_errors.h"
+#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/plan/grade.h"
+#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 

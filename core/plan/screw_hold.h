@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/plan/bone_density.h"
+#include "core/ct/hu_to_density.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -56,6 +56,7 @@ struct HoldRow {
   double shear_mpa = 0.0;    ///< mean shear strength of the bone around the thread's outer diameter here
 };
 
+/// How well a screw holds: screw_hold().
 struct ScrewHold {
   HoldFigure pullout_n;         ///< axial force that shears the bone off the thread
   HoldFigure stiffness_n_mm;    ///< axial, of the elastic bone around a rigid screw that grips all over: never more

@@ -17,6 +17,9 @@
 #include "core/plan/convergence.h"
 #include "core/plan/detail/suggestion_words.h"
 #include "core/plan/detail/trajectory_search.h"
+#include "core/plan/instrument.h"
+#include "core/plan/landmarks.h"
+#include "core/points/material.h"
 #include "core/tool/plate.h"
 
 namespace spinaltap {
@@ -578,6 +581,20 @@ SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
     (n % 2 == 0 ? *shift : *turns[n / 2]) = n % 2 == 0 ? shift_mm(to) : turn_deg(to);
   });
   return zone;
+}
+
+std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions) {
+  std::vector<DrillPath> paths;
+  std::string rejections;
+  for (const Suggestion& suggestion : suggestions) {
+    if (suggestion.best) {
+      paths.push_back(suggestion.best->path);
+    } else {
+      rejections += (rejections.empty() ? "" : "; ") + suggestion.rejection;
+    }
+  }
+  if (paths.empty()) fail("no path to suggest: ", rejections);
+  return paths;
 }
 
 }  // namespace spinaltap

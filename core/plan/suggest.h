@@ -1,16 +1,22 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
+#include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
 #include "core/plan/grade.h"
-#include "core/plan/path_side.h"
+#include "core/plan/path_findings.h"
 
 namespace spinaltap {
+
+class WallDistance;
+struct Material;
 
 /// What a good path is worth. Each term runs from 0 to 1; docs/planning.md has them.
 struct SuggestWeights {
@@ -44,6 +50,7 @@ enum class SagittalReference {
 /// "anatomic" and "straight-forward".
 const std::map<std::string, SagittalReference>& sagittal_references();
 
+/// What suggest_paths() looks for.
 struct SuggestOptions {
   double margin_mm = 1.0;          ///< of bone around the screw, from the entry opening to its tip
   double min_margin_mm = 0.0;      ///< to which it may be lessened in narrow pedicles, step by step; at most margin_mm
@@ -62,6 +69,21 @@ struct SuggestOptions {
   GradeOptions grade;
 };
 
+/// What suggestions follow from, with tables and models from files: Bone::suggest().
+struct AutoPlanOptions {
+  std::filesystem::path screws = {};  ///< table of sizes; empty: the shipped screws/pedicle.json
+  std::filesystem::path rules = {};   ///< margins and weights; empty: the shipped planning/pedicle.json
+  /// Of bone around the screw: this and no less; nothing: that of the rules, less in narrow pedicles.
+  std::optional<double> margin_mm = {};
+  bool is_bicortical = false;  ///< see SuggestOptions, as the next four
+  SagittalReference sagittal = SagittalReference::anatomic;
+  std::optional<Technique> technique = {};
+  Level level = Level::kNone;           ///< kNone: Bone::suggest() takes the bone's own
+  DrillBit bit = {};                    ///< for the holes
+  std::filesystem::path density = {};   ///< calibration; empty: the shipped densities/vertebra.json
+  std::filesystem::path material = {};  ///< cutting model; empty: the shipped materials/vertebra.json
+};
+
 /// How far a path's entry (the whole path is shifted) and its direction (turned about the entry) may be off until the
 /// screw breaches the bone, each on its own.
 struct SafeZone {
@@ -69,6 +91,7 @@ struct SafeZone {
   double medial_deg = 0.0, lateral_deg = 0.0, cranial_deg = 0.0, caudal_deg = 0.0;
 };
 
+/// A path that was found, its grade, and why this one.
 struct SuggestedPath {
   DrillPath path;  ///< with its screw; shorter than it where that is backed out
   PathGrade grade;
@@ -103,5 +126,8 @@ std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler
 
 /// Works out the safe zone of a path with a screw of grade A; all 0 for any other.
 SafeZone safe_zone(const WallDistance& walls, const DrillPath& path);
+
+/// The paths among suggestions. Throws Error that says why there is none, where there is none.
+std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions);
 
 }  // namespace spinaltap

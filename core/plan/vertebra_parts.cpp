@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "core/plan/bone_shape.h"
+#include "core/plan/landmarks.h"
+
 namespace spinaltap {
 namespace {
 

@@ -6,6 +6,9 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/plan/bone_shape.h"
+#include "core/plan/landmarks.h"
+#include "core/plan/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {
@@ -18,6 +21,11 @@ double surface_value_mm(const BoneShape& bone, const Vec3& p_mm) {
 
 }  // namespace
 
+struct WallDistance::Samples {
+  PointTree tree;
+  std::vector<Vec3> normals;
+};
+
 WallDistance::Wall WallDistance::wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& normal) {
   Wall wall;
   wall.normal = normal;
@@ -28,25 +36,24 @@ WallDistance::Wall WallDistance::wall_at(const Vec3& p_mm, const Vec3& sample_mm
   return wall;
 }
 
-WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal) {
+std::unique_ptr<const WallDistance::Samples> WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks,
+                                                                      bool is_canal) {
   const std::vector<std::uint8_t>& flags = landmarks.is_canal_wall;
   const auto count = static_cast<std::size_t>(
       std::count_if(flags.begin(), flags.end(), [&](std::uint8_t flag) { return (flag != 0) == is_canal; }));
-  std::vector<Vec3> points_mm;
-  Samples samples;
+  std::vector<Vec3> points_mm, normals;
   points_mm.reserve(count);
-  samples.normals.reserve(count);
+  normals.reserve(count);
   for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
     if ((landmarks.is_canal_wall[n] != 0) != is_canal) continue;
     points_mm.push_back(bone.points_mm()[n]);
-    samples.normals.push_back(bone.normals()[n]);
+    normals.push_back(bone.normals()[n]);
   }
-  samples.tree = PointTree(std::move(points_mm));
-  return samples;
+  return std::make_unique<const Samples>(Samples{PointTree(std::move(points_mm)), std::move(normals)});
 }
 
 WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks)
-    : bone_(bone), landmarks_(landmarks), parts_(bone, landmarks) {
+    : bone_(bone), landmarks_(landmarks), parts_(std::make_unique<const VertebraParts>(bone, landmarks)) {
   if (landmarks.is_canal_wall.size() != bone.points_mm().size()) {
     fail("walls: expected landmarks of this bone, which flag its ", bone.points_mm().size(), " points, found ",
          landmarks.is_canal_wall.size(), " flags");
@@ -54,6 +61,9 @@ WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks)
   outer_ = samples_of(bone, landmarks, false);
   canal_ = samples_of(bone, landmarks, true);
 }
+
+WallDistance::~WallDistance() = default;
+WallDistance::WallDistance(WallDistance&&) noexcept = default;
 
 WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_mm, std::size_t guess) {
   const PointTree::Nearest found = samples.tree.nearest(p_mm, guess);
@@ -66,7 +76,7 @@ WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_m
 
 WallDistance::Wall WallDistance::canal(const Vec3& p_mm) const {
   // Deeper than the surface's value is sure, both walls are ahead, and none of them is nearer than that.
-  if (surface_value_mm(bone_, p_mm) <= -bone_.trusted_band_mm()) return nearest(canal_, p_mm, Wall{}.sample);
+  if (surface_value_mm(bone_, p_mm) <= -bone_.trusted_band_mm()) return nearest(*canal_, p_mm, Wall{}.sample);
   return walls(p_mm).canal;
 }
 
@@ -76,8 +86,8 @@ WallDistance::Walls WallDistance::walls(const Vec3& p_mm, const Walls& beside) c
     both.outer.distance_mm = both.canal.distance_mm = std::numeric_limits<double>::quiet_NaN();
     return both;
   }
-  both.outer = nearest(outer_, p_mm, beside.outer.sample);
-  both.canal = nearest(canal_, p_mm, beside.canal.sample);
+  both.outer = nearest(*outer_, p_mm, beside.outer.sample);
+  both.canal = nearest(*canal_, p_mm, beside.canal.sample);
   Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
   const double value_mm = surface_value_mm(bone_, p_mm);
   if (std::abs(value_mm) < bone_.trusted_band_mm()) nearer.distance_mm = std::abs(value_mm);

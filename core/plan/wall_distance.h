@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <vector>
 
-#include "core/plan/bone_shape.h"
-#include "core/plan/landmarks.h"
-#include "core/plan/vertebra_parts.h"
+#include "core/base/geometry.h"
 
 namespace spinaltap {
+
+class BoneShape;
+class VertebraParts;
+struct Landmarks;
 
 /// How far a place is from the vertebra's outer surface and from the canal: positive in the bone, negative by how far
 /// it is beyond that surface. Beyond the one, the other is still positive. Safe to ask from many threads.
@@ -17,6 +20,8 @@ class WallDistance {
   /// `bone` and `landmarks`, which must be its own, must outlive this. Throws Error where the landmarks do not flag as
   /// many points as the bone has.
   WallDistance(const BoneShape& bone, const Landmarks& landmarks);
+  ~WallDistance();
+  WallDistance(WallDistance&&) noexcept;
 
   struct Wall {
     double distance_mm = 0.0;        ///< signed; infinite where the bone has no such wall
@@ -37,7 +42,7 @@ class WallDistance {
   Walls walls(const Vec3& p_mm, const Walls& beside) const;
   /// The canal's or the outer one of walls(), sooner, where the other one is nearer for sure.
   Wall further(const Vec3& p_mm, bool is_canal, const Wall& beside) const {
-    return nearest(is_canal ? canal_ : outer_, p_mm, beside.sample);
+    return nearest(is_canal ? *canal_ : *outer_, p_mm, beside.sample);
   }
   Wall outer(const Vec3& p_mm) const { return walls(p_mm).outer; }
   /// Quicker than walls() in the bone.
@@ -58,21 +63,18 @@ class WallDistance {
 
   const BoneShape& bone() const { return bone_; }
   const Landmarks& landmarks() const { return landmarks_; }
-  const VertebraParts& parts() const { return parts_; }
+  const VertebraParts& parts() const { return *parts_; }
 
  private:
   /// The samples of one wall.
-  struct Samples {
-    PointTree tree{std::vector<Vec3>{}};
-    std::vector<Vec3> normals;
-  };
+  struct Samples;
   static Wall nearest(const Samples& samples, const Vec3& p_mm, std::size_t guess);
-  static Samples samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal);
+  static std::unique_ptr<const Samples> samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal);
 
   const BoneShape& bone_;
   const Landmarks& landmarks_;
-  VertebraParts parts_;
-  Samples outer_, canal_;
+  std::unique_ptr<const VertebraParts> parts_;
+  std::unique_ptr<const Samples> outer_, canal_;
 };
 
 }  // namespace spinaltap

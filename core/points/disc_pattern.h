@@ -5,13 +5,9 @@
 
 #include <Eigen/Core>
 
-namespace spinaltap {
+#include "core/points/point_volume_options.h"
 
-/// How a disc is divided into points.
-enum class DiscSubdivision {
-  rings,    ///< circles: the paper's choice, best for collision
-  hexagons  ///< triangles of equal sides within a hexagon, whose flats lie nearer: the paper's first, for comparison
-};
+namespace spinaltap {
 
 /// The points of one disc: a centre, then rings k = 1, 2, ... of 6k points at radius k * spacing (the paper's section
 /// 6.4), or of as many along hexagons with corners there. Ring k starts at index 1 + 3k(k-1); n rings, the centre

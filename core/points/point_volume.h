@@ -11,28 +11,10 @@
 #include "core/base/progress.h"
 #include "core/points/disc_pattern.h"
 #include "core/points/hu_byte.h"
+#include "core/points/point_volume_options.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
-
-/// How exactly a point's CT number is stored.
-enum class HuBits {
-  eight,   ///< steps of 16 HU from -1024 to 3056
-  sixteen  ///< whole HU
-};
-
-struct PointVolumeOptions {
-  double radius_mm = 3.0;   ///< of the cylinder about the path; somewhat larger than the bit's
-  double spacing_mm = 0.1;  ///< between discs, rings and, nearly, neighbours on a ring
-  /// How far before the entry the cylinder starts, so that bone beside a slanting entry is in it.
-  double lead_in_mm = 0.0;
-  HuBits hu_bits = HuBits::sixteen;
-  DiscSubdivision subdivision = DiscSubdivision::rings;
-  /// Points are moved at random by up to this share of the spacing along each axis, at most 0.5 (the paper's section
-  /// 6.4, against aliasing).
-  double jitter = 0.0;
-  std::uint64_t jitter_seed = 1;
-};
 
 /// The cylinder of discs of rings of points that a bit decimates (the paper's section 6). A point's position follows
 /// from its indices; what is stored of it is one bit, whether it is alive, and its CT number.

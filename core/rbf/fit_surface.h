@@ -2,17 +2,10 @@
 
 #include "core/base/progress.h"
 #include "core/rbf/rbf_field.h"
+#include "core/surface/surface_options.h"
 #include "core/surface/surface_points.h"
 
 namespace spinaltap {
-
-struct SurfaceFitOptions {
-  double spacing_mm = 0.5;      ///< of points nearer to each other than this one is taken; 0: all of them
-  double off_surface_mm = 1.0;  ///< distance of off-surface points, shortened where another part is near
-  double smoothing_mm = 1.0;    ///< see FitOptions; chosen by docs/surface-comparison.md
-  double accuracy_mm = 0.01;
-  double reduction_mm = 0.0;
-};
 
 /// What the fit came to.
 struct SurfaceFitReport {

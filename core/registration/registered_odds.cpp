@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
+#include "core/plan/wall_distance.h"
 #include "core/registration/rigid_pose.h"
 #include "core/tool/plate.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/plan/placement_odds.h"
+#include "core/plan/wall_distance.h"
 #include "core/registration/pose_covariance.h"
 
 namespace spinaltap {

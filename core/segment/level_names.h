@@ -5,19 +5,14 @@
 #include <vector>
 
 #include "core/ct/level.h"
-#include "core/segment/spine_bodies.h"
 
 namespace spinaltap {
+
+struct SpineBodies;
 
 /// Where ribs were found at a level. Beside a scoliotic body one of a pair may not be found, and a broken transverse
 /// process may look like one.
 enum class Ribs { unknown, none, one_side, both };
-
-/// A level that a body may be.
-struct LevelOdds {
-  Level level = Level::kNone;
-  double probability = 0.0;
-};
 
 /// What a row's bodies are called, from below.
 struct LevelNames {

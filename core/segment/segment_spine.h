@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/ct/label_volume.h"
-#include "core/segment/level_names.h"
-#include "core/segment/level_warnings.h"
-#include "core/segment/spine_bodies.h"
+#include "core/ct/level.h"
+#include "core/segment/level_figures.h"
 
 namespace spinaltap {
 
@@ -23,6 +23,7 @@ struct Correction {
   Vec3 p_mm = Vec3::Zero();
 };
 
+/// What a user knows of a CT's vertebrae.
 struct SegmentOptions {
   /// A point anywhere in the body of the wanted vertebra, patient LPS, mm. segment_vertebra() takes the largest whole
   /// one by default; segment_spine() takes the column that it lies in.
@@ -75,6 +76,7 @@ struct BoneReport {
 inline constexpr int kRibsLabel = 50;
 inline constexpr int kFirstUnnamedLabel = 101;
 
+/// What segment_spine() finds.
 struct SpineSegmentation {
   LabelVolume labels;               ///< on the CT's grid: vertebrae, sacrum, ribs
   std::vector<LevelReport> levels;  ///< vertebrae from the head down

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
+#include "core/segment/level_names.h"
 
 namespace spinaltap {
 namespace {

@@ -10,16 +10,6 @@
 
 namespace spinaltap {
 
-/// What whoever marked a bone thinks of it.
-struct LevelWarnings {
-  std::vector<std::string> warnings;  ///< one line each
-  double severity = 0.0;              ///< 0: none, to 1: likely wrong
-  std::vector<Vec3> unsure_mm{};      ///< bone of which it is unsure whose it is: LevelFigures::unsure_mm
-
-  bool is_suspect() const { return severity >= kSuspect; }
-  bool operator==(const LevelWarnings&) const = default;
-};
-
 /// The warnings of a vertebra that was found, in words, and one where its name is but a hint.
 LevelWarnings warnings_of(const LevelReport& report);
 

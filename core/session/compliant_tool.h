@@ -1,26 +1,12 @@
 #pragma once
 
 #include "core/base/geometry.h"
-#include "core/force/drill_forces.h"
-#include "core/session/tool_clearance.h"
+#include "core/session/cycle.h"
+#include "core/session/session_setup.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
 
-/// What gives way in a real tool: a motor that slows down, a bit that bends. Where no source is named, values are
-/// estimates.
-struct ComplianceOptions {
-  bool is_on = false;
-  double free_length_mm = 0.0;  ///< of the bit out of its chuck; 0: all of its length
-  double young_gpa = 200.0;     ///< of steel
-  /// Second moment of area over that of a full cylinder: what the flutes leave of a twist drill.
-  double flutes_share = 0.3;
-  /// Of a tip that has not bitten on bone: it walks where the surface is steeper to it than this coefficient's angle.
-  double friction = 0.25;
-  double bite_mm = 0.3;     ///< so deep in bone the hole holds the tip
-  double stall_n_mm = 0.0;  ///< torque at which the motor stands; 0: it never slows down
-  double spin_up_s = 0.1;   ///< of the motor, towards the speed of its load
-};
 /// Rejects values that are not finite or make no sense.
 void check_compliance(const ComplianceOptions& options);
 

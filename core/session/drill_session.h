@@ -13,62 +13,12 @@
 #include "core/force/drill_forces.h"
 #include "core/points/living_bone.h"
 #include "core/session/compliant_tool.h"
-#include "core/session/drill_state.h"
-#include "core/session/operator/operator.h"
-#include "core/session/session_event.h"
-#include "core/session/session_heat.h"
+#include "core/session/cycle.h"
+#include "core/session/session_setup.h"
 #include "core/session/tool_clearance.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
-
-/// When a session asks the operator to stop. Infinite: never.
-struct StopRules {
-  double thrust_n = std::numeric_limits<double>::infinity();       ///< at or above
-  double clearance_mm = -std::numeric_limits<double>::infinity();  ///< at or below, to the outer surface or the canal
-  bool on_breach = false;                                          ///< of either wall
-};
-
-struct SessionOptions {
-  Spindle spindle = {};
-  StopRules stop = {};
-  StateRules states = {};
-  double max_jump_mm = 50.0;  ///< a longer way of the tip, or of the base, in one cycle is not cut
-  /// The tool drills along the path; else, in a milling, neither states nor breakthroughs nor plunges are told: the
-  /// depth along the path says nothing of them.
-  bool follows_path = true;
-  /// There is a planned path. Without one, depths are those of the tip below the bone's surface, as it was before it
-  /// was drilled; clearances are the canal's alone, since a tool has to come through the outer surface somewhere. Not
-  /// with `follows_path`.
-  bool has_path = true;
-  /// How warm the bone beside the hole gets, which a tool has to drill that follows the path; none: it is not worked
-  /// out, and costs nothing.
-  std::optional<HeatOptions> heat = {};
-  ComplianceOptions compliance = {};  ///< the bit bends, its tip walks, the motor slows down
-  bool has_device = false;  ///< inputs come from a tool that is coupled to a device: forces tell how bone holds it
-  /// Forces have DrillForce::support_n, which is felt and recorded, but decides nothing of a session: not where a
-  /// compliant tool goes, nor an event, nor what an operator does. A device needs it.
-  bool has_support = true;
-};
-/// Rejects options that are not numbers or make no sense.
-void check_session_options(const SessionOptions& options);
-
-/// What one cycle was and did.
-struct Cycle {
-  std::uint64_t index = 0;
-  double time_s = 0.0;  ///< since the first input; the sum of dt_s, rounded once
-  ToolInput input;      ///< as the operator gave it
-  Pose pose;            ///< of the bit: the input's, but for what gives way in a compliant tool
-  /// Of the tip along the path, straight or curved: 0 at the entry. Without a path below the bone's surface: negative
-  /// outside, minus infinity far outside, and 0 where there are no clearances to tell.
-  double depth_mm = 0.0;
-  StepResult step;
-  DrillForce force;
-  Clearance clearance;
-  TipPlace tip;  ///< infinite without clearances, and of a milling with a path
-  DrillState state = DrillState::initial;
-  CycleHeat heat;
-};
 
 /// One drilling, cycle by cycle: removes bone, works out forces and clearances, recognises states, notes events and
 /// when to stop. The same inputs bring the same results, whatever the engine, the threads or the pace.
@@ -130,9 +80,6 @@ class DrillSession {
   Cycle cycle_;
   std::unique_ptr<Tracking> tracking_;
 };
-
-/// What is told of each cycle; the reference holds until it returns.
-using CycleObserver = std::function<void(const Cycle&)>;
 
 /// As fast as it goes, in lock-step: the operator's next pose, a cycle, and so on until the operator ends.
 void run_session(DrillSession& session, Operator& tool_operator, const CycleObserver& observe = {},

@@ -7,28 +7,12 @@
 #include "core/base/geometry.h"
 #include "core/base/progress.h"
 #include "core/plan/wall_distance.h"
+#include "core/session/cycle.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/path_curve.h"
 #include "core/tool/plate.h"
 
 namespace spinaltap {
-
-/// How far a bit's surface is from the bone's walls: negative by how far it is beyond them. Infinite where the bone has
-/// no such wall, or the bit is not near it.
-struct Clearance {
-  double outer_mm = std::numeric_limits<double>::infinity();
-  double canal_mm = std::numeric_limits<double>::infinity();
-  Vec3 outer_at_mm = Vec3::Zero();  ///< place on the bit's axis where it is least, patient LPS
-  Vec3 canal_at_mm = Vec3::Zero();
-};
-
-/// Where a tool's tip is in the bone.
-struct TipPlace {
-  double inside_mm = std::numeric_limits<double>::infinity();  ///< to the bone's surface, in it; negative: beyond it
-  /// How far the bone goes on along the axis: to the far surface, or into the canal. Infinite where that is further
-  /// than ClearanceField::kAheadMm or not known, 0 outside the bone.
-  double ahead_mm = std::numeric_limits<double>::infinity();
-};
 
 /// The walls' distances around a path, kept so that a cycle finds a bit's clearance within microseconds. What a hole's
 /// entry opening breaks is meant to be broken: there the outer surface does not count (docs/grading.md's rule). Safe to

@@ -63,6 +63,7 @@ class DrillSound {
   /// How many were over kKnee and were bent to stay within 1.
   std::uint64_t bent() const noexcept;
   double turning_hz() const noexcept;  ///< as it is now
+  /// As they were given.
   const DrillSoundOptions& options() const noexcept;
 
   static constexpr double kKnee = 0.8;

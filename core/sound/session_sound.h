@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/session/drill_session.h"
+#include "core/session/cycle.h"
 #include "core/session/record/session_record.h"
 #include "core/session/session_setup.h"
 #include "core/sound/drill_sound.h"

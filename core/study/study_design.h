@@ -33,6 +33,7 @@ using FactorValues = std::array<double, kStudyFactors>;
 
 /// For what a number is drawn anew: runs of one screw, and screws of one patient, may have it in common.
 enum class DrawnPer : std::uint8_t { run, screw, patient };
+/// As specs and tables have it.
 std::string_view name_of(DrawnPer per);
 
 /// How one factor differs.
@@ -60,6 +61,7 @@ enum class StudySampling : std::uint8_t {
   /// each input one run that is A but for that input, which it has from B (Saltelli et al. 2010).
   saltelli
 };
+/// As specs have it.
 std::string_view name_of(StudySampling sampling);
 
 /// What the runs of a study are.
@@ -75,6 +77,7 @@ struct StudyDesign {
 /// is behind the direction's and not behind the entry's too, and the rest.
 enum class StudyDraw : std::uint8_t { entry, direction, along, registration, screw };
 constexpr std::size_t kStudyDraws = 5;
+/// As tables have it.
 std::string_view name_of(StudyDraw draw);
 
 /// What the runs of a study are shared out to, and what is drawn in them beside factors.

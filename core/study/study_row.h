@@ -73,6 +73,7 @@ enum class StudyColumn : std::uint8_t {
 };
 constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::screw_neighbour_mm) + 1;
 
+/// As the head of the table has it.
 std::string_view name_of(StudyColumn column);
 
 /// One run: a number for each column, not a number where there is none.

@@ -8,12 +8,12 @@
 
 #include "core/ct/bone_identity.h"
 #include "core/ct/level.h"
-#include "core/engine/drill_engine.h"
+#include "core/engine/step_result.h"
 #include "core/plan/placement_errors.h"
 #include "core/points/material.h"
-#include "core/points/point_volume.h"
+#include "core/points/point_volume_options.h"
 #include "core/registration/pose_covariance.h"
-#include "core/session/drill_session.h"
+#include "core/session/session_setup.h"
 #include "core/study/study_design.h"
 #include "core/tool/drill_path.h"
 
@@ -49,6 +49,7 @@ enum class StudyKind : std::uint8_t {
   geometry   ///< grade the screw where it would lie: thousands a second
 };
 
+/// "drilling", "geometry".
 std::string_view name_of(StudyKind kind);
 
 /// A bone of a study, and what is planned in it.
@@ -95,6 +96,7 @@ struct StudyScrew {
 std::vector<StudyScrew> screws_of(const StudySpec& spec);
 /// One of them. Throws Error where there are not so many.
 StudyScrew screw_at(const StudySpec& spec, std::size_t n);
+/// Its path. The screw must be one of the spec's.
 inline const DrillPath& path_of(const StudySpec& spec, const StudyScrew& screw) {
   return spec.bones[screw.bone].paths[screw.path];
 }

@@ -8,24 +8,12 @@
 
 #include "core/base/progress.h"
 #include "core/study/study_row.h"
+#include "core/study/study_shard.h"
 
 namespace spinaltap {
 
-/// What the runs took.
-struct StudyWork {
-  std::size_t runs = 0;
-  int threads = 1;
-  double seconds = 0.0;                   ///< by the clock
-  double cpu_seconds = 0.0;               ///< of the whole process
-  bool is_stopped = false;                ///< runs are left, since it was asked to stop
-  std::filesystem::path unlocked_part{};  ///< where the file system has no locks: the file of rows that is ours alone
-};
-
 /// Does one run after the other, from one thread; made once for each thread, which then owns it.
 using StudyRunner = std::function<StudyRow(std::size_t run)>;
-
-/// Asked before each run, from any thread: true where no further one shall begin.
-using StudyStop = std::function<bool()>;
 
 /// Where runs stand among more of them, for what is reported: how many were done before, of how many. 0 of 0: alone.
 struct StudyPlace {

@@ -4,6 +4,7 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/surface/surface_options.h"
 
 namespace spinaltap {
 
@@ -11,15 +12,6 @@ namespace spinaltap {
 struct SurfacePoints {
   std::vector<Vec3> positions_mm;
   std::vector<Vec3> normals;
-};
-
-struct SurfaceOptions {
-  /// Width (standard deviation) of the Gaussian that smooths the mask before its surface is taken; 0: chosen from the
-  /// voxel size, 0.5 mm or 0.7 of the largest voxel step, whichever is larger.
-  double smooth_mm = 0.0;
-  /// Whether each point moves along its normal, by at most 1 mm or 0.8 voxel steps, to the cortex's outer edge
-  /// (edge_profile.h).
-  bool refine_by_hu = true;
 };
 
 /// Points where the smoothed mask crosses one half along the voxel grid's lines, refined by the CT's grey values.

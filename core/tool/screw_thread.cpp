@@ -1,4 +1,4 @@
-#include "core/tool/screw_thread.h"
+#include "core/tool/drill_path.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "core/phantom/vertebra_ground_truth.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/placement_errors.h"
 #include "core/plan/screw_breach.h"
 #include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone.h"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/staged_output.h"
+#include "core/ct/dicom_source.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
 #include "core/files/json_file.h"

@@ -15,8 +15,10 @@
 #include "core/session/record/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/drilling.h"
+#include "vdb/sim/recorded_hole.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {

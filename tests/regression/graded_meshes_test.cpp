@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/plan/bone_shape.h"
+#include "core/plan/instrument.h"
 #include "core/plan/point_tree.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/real_meshes.h"

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "core/phantom/scanner.h"
+#include "core/plan/bone_shape.h"
 #include "core/rbf/fit_surface.h"
 #include "core/surface/surface_points.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
 #include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 

@@ -7,11 +7,13 @@
 #include <cstdio>
 
 #include "core/ct/dicom_read.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_ct.h"

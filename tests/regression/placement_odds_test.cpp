@@ -10,6 +10,7 @@
 #include <random>
 
 #include "core/files/placement_errors_file.h"
+#include "core/plan/landmarks.h"
 #include "core/plan/placement_odds.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"

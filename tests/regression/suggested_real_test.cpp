@@ -10,7 +10,9 @@
 #include <numbers>
 
 #include "core/ct/read_ct.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/convergence.h"
+#include "core/plan/instrument.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/real_meshes.h"
 #include "tests/support/test_kind.h"

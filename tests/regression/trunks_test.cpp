@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "core/segment/level_names.h"
 #include "tests/support/test_kind.h"
 #include "tests/trunks/trunk_exam.h"
 

@@ -7,6 +7,8 @@
 
 #include "core/phantom/vertebra.h"
 #include "core/phantom/vertebra_ground_truth.h"
+#include "core/plan/bone_shape.h"
+#include "core/plan/landmarks.h"
 #include "core/plan/wall_distance.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/gridded_field.h"

@@ -8,14 +8,10 @@
 #include "core/base/scalar_field.h"
 #include "core/ct/ct_volume.h"
 #include "core/phantom/solid.h"
+#include "vdb/bake/bake_options.h"
 #include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
-
-struct BakeOptions {
-  double voxel_mm = 0.25;
-  double hu_margin_mm = 2.0;  ///< how far beyond the bone CT numbers are kept
-};
 
 struct BakeReport {
   std::size_t evaluations = 0;     ///< of the field, one a point asked

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/bone_samplers.h"
+#include "vdb/grid/bone_field.h"
 
 namespace spinaltap {
 

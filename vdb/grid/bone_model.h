@@ -8,12 +8,13 @@
 #include <string>
 
 #include "core/base/geometry.h"
-#include "core/base/scalar_field.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
 
 namespace spinaltap {
+
+class ScalarField;
 
 namespace detail {
 struct BoneGrids;
@@ -66,9 +67,11 @@ class BoneModel {
 
   /// Width of the band on each side of the surface: distances are clamped to it, mm.
   double band_mm() const;
+  /// Edge of a voxel of its grids.
   double voxel_mm() const;
   /// Box around the bone's surface, patient LPS, mm.
   Box3 bounds_mm() const;
+  /// Of the distance grid.
   std::size_t active_voxels() const;
   /// What was baked and how: "source_hash", "method", ... as text.
   const std::map<std::string, std::string>& metadata() const;
@@ -98,18 +101,6 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path);
 /// only one of `before` and `hole`, and where the level is not that, not there, or not chosen (the message lists those
 /// there are).
 BoneModel read_bone(const std::filesystem::path& path, Level level = Level::kNone);
-
-/// A baked bone's distance as a field: tri-quadratic value (mm) and gradient; see BoneModel::distance() for what they
-/// are worth near and beyond the edge of the band. Positions that are not numbers are outside.
-class BoneField final : public ScalarField {
- public:
-  explicit BoneField(BoneModel bone) : bone_(std::move(bone)) {}
-
-  void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
-
- private:
-  BoneModel bone_;
-};
 
 /// Density (g/cm³) at patient positions (LPS, mm), by a density calibration from the bone's tri-linear CT numbers. Both
 /// spans have one length. Where the grid holds no CT number, beyond the bone and its margin, it is that of air: 0 by

@@ -25,6 +25,7 @@ struct SurfaceBlock {
   std::vector<std::array<std::uint16_t, 3>> triangles;
   std::size_t wall_begin = 0;
 
+  /// Of all that it holds.
   std::size_t memory_bytes() const {
     return sizeof(*this) + vertices_mm.capacity() * sizeof(vertices_mm[0]) + normals.capacity() * sizeof(normals[0]) +
            keys.capacity() * sizeof(keys[0]) + triangles.capacity() * sizeof(triangles[0]);
@@ -43,6 +44,7 @@ struct SurfaceUpdate {
 /// they are drawn. Both sides hold the lock for as long as it takes to move some pointers.
 class SurfaceFeed {
  public:
+  /// From the thread that drills: each takes the place of what waits of its block.
   void give(std::span<const SurfaceUpdate> updates) {
     const std::lock_guard lock(mutex_);
     for (const SurfaceUpdate& update : updates) waiting_[update.block] = update;

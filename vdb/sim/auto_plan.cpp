@@ -5,6 +5,7 @@
 #include "core/files/material_file.h"
 #include "core/files/planning_rules_file.h"
 #include "core/files/screw_file.h"
+#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 
@@ -30,20 +31,6 @@ std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu
   const HuToDensity density = read_density_calibration(density_line).line;
   const Material material = read_material(cutting_model, density);
   return suggest_paths(walls, hu, material, screws, settings, progress);
-}
-
-std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions) {
-  std::vector<DrillPath> paths;
-  std::string rejections;
-  for (const Suggestion& suggestion : suggestions) {
-    if (suggestion.best) {
-      paths.push_back(suggestion.best->path);
-    } else {
-      rejections += (rejections.empty() ? "" : "; ") + suggestion.rejection;
-    }
-  }
-  if (paths.empty()) fail("no path to suggest: ", rejections);
-  return paths;
 }
 
 }  // namespace spinaltap

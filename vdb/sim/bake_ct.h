@@ -15,24 +15,6 @@
 
 namespace spinaltap {
 
-/// A voxel label map that says which bone is meant: by its number, or by its level.
-struct LabelChoice {
-  std::filesystem::path file;  ///< NIfTI or NRRD
-  int label = 1;               ///< 0: the only one, or 1 where there are several
-  Level level = Level::kNone;  ///< other than kNone: in place of the number
-  LabelConvention convention = LabelConvention::automatic;
-  NiftiAffine affine = NiftiAffine::automatic;  ///< of a NIfTI file whose two transforms differ
-};
-
-struct BakeCtOptions {
-  std::optional<LabelChoice> labels;  ///< without it: what segment_vertebra() finds
-  SegmentOptions segment;
-  SurfaceOptions surface;
-  SurfaceFitOptions rbf;
-  BakeOptions bake;
-  std::filesystem::path cache;  ///< folder of finished stages (bake_cache.h); empty: none
-};
-
 struct BakedCt {
   BoneModel bone;
   std::size_t mask_voxels = 0;

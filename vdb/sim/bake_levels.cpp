@@ -5,7 +5,9 @@
 
 #include "core/base/error.h"
 #include "core/files/landmarks_text.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/landmarks.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/label_warnings.h"
 

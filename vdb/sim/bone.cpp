@@ -5,11 +5,16 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/ct/made_up_slices.h"
+#include "core/plan/bone_density.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/grid/spine_file.h"
 #include "vdb/picture/view.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
 #include "vdb/sim/bone_identity.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 

@@ -7,24 +7,32 @@
 #include <string>
 #include <vector>
 
+#include "core/base/geometry.h"
 #include "core/base/progress.h"
 #include "core/base/triangle_mesh.h"
 #include "core/base/view.h"
 #include "core/ct/bone_identity.h"
+#include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
 #include "core/plan/ct_surface_error.h"
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
+#include "core/plan/path_findings.h"
+#include "core/plan/screw_hold.h"
 #include "core/plan/suggest.h"
 #include "core/plan/wall_distance.h"
-#include "core/segment/warning_metadata.h"
+#include "core/points/material.h"
+#include "core/segment/level_figures.h"
+#include "core/tool/drill_path.h"
+#include "vdb/bake/bake_options.h"
 #include "vdb/grid/bone_model.h"
-#include "vdb/sim/auto_plan.h"
-#include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {
 
+class BoneShape;
+
+/// How Bone::from_ct() reads, finds and bakes.
 struct BoneFromCt {
   CtReadOptions reading = {};
   BakeCtOptions bake = {};  ///< which vertebra, and how it is baked
@@ -38,6 +46,7 @@ struct BoneFromCt {
 /// when it is first asked for, and kept.
 class Bone {
  public:
+  /// Of grids that are there: read_bone(), bake_bone().
   explicit Bone(BoneModel model);
 
   /// From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes. Throws Error as read_ct() and
@@ -48,6 +57,7 @@ class Bone {
   /// Writes a bone.vdb, whole or not at all. Throws Error when the disk is full.
   void save(const std::filesystem::path& file) const;
 
+  /// Its grids.
   const BoneModel& model() const;
   /// A fingerprint of its grids: the same however the file was written.
   const std::string& hash() const;
@@ -75,7 +85,7 @@ class Bone {
   /// What a camera sees of it: depth, normals, a mask. See view_bone().
   View view(const Camera& camera) const;
 
-  /// Samples of its surface.
+  /// Samples of its surface: for the library itself, BoneShape is not promised.
   const BoneShape& shape(const Progress& progress = {}) const;
   /// Throws Error where the bone has none: it is no vertebra, or not a whole one.
   const Landmarks& landmarks(const Progress& progress = {}) const;

@@ -9,6 +9,7 @@
 #include "core/session/cutting_motion.h"
 #include "core/session/real_time/timing.h"
 #include "core/tool/path_curve.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/hole_cutter.h"
 

@@ -8,6 +8,7 @@
 #include "core/files/recorded_setup.h"
 #include "core/session/real_time/timing.h"
 #include "vdb/sim/build_session.h"
+#include "vdb/sim/recorded_hole.h"
 
 namespace spinaltap {
 namespace {

@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/session/drill_session.h"
+#include "core/base/view.h"
+#include "core/session/cycle.h"
+#include "core/session/operator/operator.h"
 #include "core/session/real_time/real_time.h"
 #include "core/session/record/session_record.h"
 #include "core/session/session_setup.h"
+#include "core/tool/drill_path.h"
 #include "vdb/remaining/surface_block.h"
 #include "vdb/sim/bone.h"
 
@@ -65,6 +68,7 @@ class Session {
   /// until the next. Poses that make no sense do nothing but leave an event. Allocates and locks nothing, at any
   /// length, but for a record's sake.
   const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step_input({pose, true, dt_s}); }
+  /// The same of a tool whose spindle may be off, or that a device holds.
   const Cycle& step_input(const ToolInput& input);
   /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
   std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
@@ -127,6 +131,7 @@ class Session {
 
   /// Of several the first.
   const Bone& bone() const;
+  /// All of them, in their order.
   std::span<const Bone> bones() const;
   /// The voxels as they now are; null where it drills points. They go when the session goes.
   const VoxelBone* voxels() const;
@@ -135,6 +140,7 @@ class Session {
   const DrillPath& path() const;
   /// What it drills, and why: "voxels of 0.1 mm of the whole bone, for no path".
   std::string chosen() const;
+  /// All that decides what it does.
   const SessionSetup& setup() const;
 
  private:

@@ -178,7 +178,7 @@ spinaltap_code spinaltap_session_save_drilled(spinaltap_session* session, const 
 /* ---- Events ---- */
 typedef struct spinaltap_event {
   uint32_t struct_bytes;
-  int32_t kind; /* core/session/session_event.h; spinaltap_event_name() */
+  int32_t kind; /* core/session/cycle.h; spinaltap_event_name() */
   uint64_t cycle;
   double time_s, depth_mm, place_mm[3];
   double value; /* of events that go on it may still grow */

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/files/study_folder.h"
 #include "core/study/study_row.h"
 #include "core/study/study_shard.h"
 #include "core/study/study_spec.h"
-#include "core/study/study_work.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -36,6 +34,7 @@ class Study {
   const StudySpec& spec() const;
   /// One of the spec's; the last that was asked for is kept.
   Bone bone(std::size_t n = 0) const;
+  /// Of all shards.
   std::size_t run_count() const;
   /// All that the results depend on.
   const StudyIdentity& identity() const;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/report/svg_plot.h"
+#include "core/session/cycle.h"
 #include "core/session/depth_log.h"
-#include "core/session/session_event.h"
 
 class QLabel;
 

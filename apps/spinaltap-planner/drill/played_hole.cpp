@@ -17,6 +17,7 @@
 #include "core/session/cutting_motion.h"
 #include "core/session/operator/recorded_motion.h"
 #include "mesh/remaining_mesh.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/sim/drilling.h"
 
 namespace spinaltap {

@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
+#include "core/files/study_folder.h"
 #include "core/study/study_shard.h"
 #include "vdb/sim/study.h"
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/ct/grid_geometry.h"
-#include "core/ct/nifti_affine.h"
 
 namespace spinaltap::detail {
 

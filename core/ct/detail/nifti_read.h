@@ -4,7 +4,7 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
-#include "core/ct/nifti_affine.h"
+#include "core/ct/grid_geometry.h"
 
 namespace spinaltap {
 

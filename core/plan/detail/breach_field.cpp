@@ -8,6 +8,9 @@
 #include <limits>
 #include <numbers>
 
+#include "core/plan/bone_shape.h"
+#include "core/plan/wall_distance.h"
+
 namespace spinaltap {
 namespace {
 

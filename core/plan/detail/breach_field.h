@@ -4,9 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "core/plan/bone_shape.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/nearest_cells.h"
 #include "core/plan/grade.h"
+#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 

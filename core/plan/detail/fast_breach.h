@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/plan/bone_shape.h"
 #include "core/plan/detail/breach_field.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/path_side.h"

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/plan/detail/inside_bone.h"
+#include "core/plan/path_side.h"
 
 namespace spinaltap {
 namespace {

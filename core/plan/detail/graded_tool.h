@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/plan/bone_shape.h"
 #include "core/plan/grade.h"
+#include "core/plan/path_side.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/path_curve.h"
 

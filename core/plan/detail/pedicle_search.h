@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/plan/bone_shape.h"
 #include "core/plan/landmarks.h"
 
 namespace spinaltap {

@@ -9,6 +9,10 @@
 #include <limits>
 #include <numbers>
 
+#include "core/plan/bone_shape.h"
+#include "core/plan/instrument.h"
+#include "core/plan/landmarks.h"
+
 namespace spinaltap::detail {
 namespace {
 

@@ -4,7 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
+#include "core/plan/wall_distance.h"
 
 namespace spinaltap::detail {
 

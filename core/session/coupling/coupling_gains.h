@@ -37,6 +37,7 @@ struct CouplingOptions {
   double whole_change_s = 0.01;  ///< the least time for all of the largest force to come or go
   unsigned spindle_button = 0;   ///< this bit of the buttons turns the spindle on; 32: it is always on
 };
+/// Rejects what is not finite or makes no sense.
 void check_coupling_options(const CouplingOptions& options);
 
 /// One kind of motion of a coupled tool, as it is felt at the handle: along or about all axes alike. Units: of N and
@@ -54,6 +55,7 @@ struct CouplingGain {
 /// that is held. H is that of the implicit Euler method, with which the tool moves.
 double needed_damping(const CouplingGain& gain, double dt_s, double delay_s);
 
+/// Of both kinds of motion: coupling_gains().
 struct CouplingGains {
   CouplingGain way;   ///< N, mm
   CouplingGain turn;  ///< N·mm, rad

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/points/living_bone.h"
+#include "core/session/cycle.h"
 #include "core/session/drill_session.h"
-#include "core/session/session_event.h"
 #include "core/tool/path_curve.h"
 #include "core/tool/tool_body.h"
 

@@ -18,10 +18,12 @@ struct DeviceMount {
   /// side.
   static DeviceMount between(const Pose& device, const Pose& patient);
 
+  /// A device's pose as one of the patient.
   Pose to_patient(const Pose& device) const;
   Vec3 to_device(const Vec3& patient) const;  ///< a force or a torque
 };
 
+/// How a hand at a device holds the tool, and when it is at an end.
 struct CoupledOptions {
   CouplingOptions coupling = {};
   Spindle spindle = {};                   ///< as the session has it

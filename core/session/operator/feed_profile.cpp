@@ -1,4 +1,4 @@
-#include "core/session/operator/feed_profile.h"
+#include "core/session/operator/path_motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/force/drill_forces.h"
+#include "core/force/drill_force.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
 

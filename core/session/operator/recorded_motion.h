@@ -7,6 +7,7 @@
 
 namespace spinaltap {
 
+/// How read_pose_csv() takes a file.
 struct PoseCsvOptions {
   bool lets_bad_poses_pass = false;  ///< poses that are not numbers, or have no direction: for sessions to reject
 };

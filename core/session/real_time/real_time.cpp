@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/force/force_output.h"
+#include "core/session/drill_session.h"
 #include "core/session/real_time/detail/latest_value.h"
 #include "core/session/real_time/detail/thread_team.h"
 #include "core/session/real_time/pacer.h"

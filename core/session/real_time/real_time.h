@@ -5,11 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "core/session/drill_session.h"
+#include "core/base/progress.h"
+#include "core/session/cycle.h"
+#include "core/session/operator/operator.h"
 #include "core/session/real_time/timing.h"
 
 namespace spinaltap {
 
+class DrillSession;
+
+/// How often the threads run, for how long, and with what rights.
 struct RealTimeOptions {
   double rate_hz = 1000.0;        ///< of the collision thread
   double tool_rate_hz = 1000.0;   ///< of the thread that asks the operator
@@ -34,6 +39,7 @@ struct PaceReport {
   std::vector<std::uint64_t> work_histogram;
 };
 
+/// What a run came to.
 struct RealTimeReport {
   PaceReport collision, tool, display;
   PaceReport output;  ///< cycles 0 where none was asked for

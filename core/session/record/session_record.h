@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,10 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "core/session/drill_session.h"
-#include "core/session/record/recorded_frames.h"
+#include "core/base/view.h"
+#include "core/session/cycle.h"
+#include "core/session/operator/operator.h"
 
 namespace spinaltap {
+
+struct SessionOptions;
 
 /// What a record keeps of a cycle: all that went in and all that came out. docs/record-file.md has the file's layout.
 struct RecordedCycle {
@@ -40,6 +44,7 @@ struct RecordedCycle {
   double max_temperature_c = 0.0;
   DeviceSide device;  ///< none, and left out, of a session without one
 };
+/// What a record keeps of a cycle.
 RecordedCycle recorded(const Cycle& cycle);
 /// Bit for bit, so that a number that is none equals itself.
 bool operator==(const RecordedCycle& a, const RecordedCycle& b);
@@ -60,6 +65,20 @@ struct RecordedTool {
   std::uint64_t cycle = 0;  ///< the first with it
   std::string tool;         ///< as record_tool() says it: at most kMaxBytes
   static constexpr std::size_t kMaxBytes = 4096;
+};
+
+/// What all frames of a record have in common.
+struct FrameFormat {
+  int width = 0;  ///< pixels
+  int height = 0;
+  bool has_normals = true;  ///< most of a frame's bytes
+};
+
+/// What a camera saw of a drilling after a cycle.
+struct RecordedFrame {
+  std::uint64_t cycle = 0;  ///< Cycle::index of the last cycle before it
+  double time_s = 0.0;      ///< of that cycle
+  View view;                ///< without normals where the record has none
 };
 
 /// Writes a session into an HDF5 file while it runs: from a thread of its own, compressed in chunks, flushed more than
@@ -131,6 +150,11 @@ std::string hash_of(const SessionRecord& record);
 /// Also while it is being written, and after a kill. Throws Error on a file that is no record, a newer layout, or
 /// damage.
 SessionRecord read_record(const std::filesystem::path& path);
+
+/// Frames `first`, `first + 1`, ... of a record, no more than `count` and no more than there are
+/// (SessionRecord::frame_count). Also while it is being written, and after a kill. Throws Error as read_record() does.
+std::vector<RecordedFrame> read_frames(const std::filesystem::path& path, std::uint64_t first = 0,
+                                       std::uint64_t count = std::numeric_limits<std::uint64_t>::max());
 
 /// All cycles as CSV, one row each; units are in the names of the columns. Numbers come back from it to the last bit; a
 /// field of what is not a number is empty.

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/statistics.h"
 #include "core/tool/plate.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"

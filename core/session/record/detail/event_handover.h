@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/ring_buffer.h"
+#include "core/session/cycle.h"
 #include "core/session/drill_session.h"
-#include "core/session/session_event.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/base/hdf5_file.h"
-#include "core/session/record/recorded_frames.h"
+#include "core/session/record/session_record.h"
 
 namespace spinaltap {
 

@@ -1,4 +1,5 @@
 #include "core/plan/grade.h"
+#include "core/force/cutting_law.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/plan/landmarks.h"
 #include "tests/support/nan.h"
 #include "tests/support/planning_bones.h"
 

@@ -1,4 +1,5 @@
 #include "core/plan/placement_errors.h"
+#include "core/plan/landmarks.h"
 
 #include <gtest/gtest.h>
 

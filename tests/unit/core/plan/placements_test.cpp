@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/plan/grade.h"
+#include "core/points/material.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"
 

@@ -1,6 +1,7 @@
 // Compiled with optimisation: long loops of its own.
 
 #include "core/plan/screw_breach.h"
+#include "core/plan/landmarks.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/plan/placement_errors.h"
+#include "core/points/material.h"
 #include "tests/support/nan.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"

@@ -9,7 +9,9 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/plan/bone_shape.h"
 #include "core/plan/convergence.h"
+#include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"

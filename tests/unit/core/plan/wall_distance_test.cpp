@@ -1,6 +1,7 @@
 // Compiled with optimisation: long loops of its own.
 
 #include "core/plan/wall_distance.h"
+#include "core/plan/landmarks.h"
 
 #include <gtest/gtest.h>
 

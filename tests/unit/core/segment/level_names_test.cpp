@@ -1,4 +1,5 @@
 #include "core/segment/level_names.h"
+#include "core/segment/spine_bodies.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,7 @@
 // Compiled with optimisation: long loops of its own.
 
 #include "core/session/tool_clearance.h"
+#include "core/plan/landmarks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-#include "core/tool/screw_thread.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,6 +8,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/made_bone.h"
 #include "vdb/detail/vdb_file.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 
 namespace spinaltap {

@@ -1,4 +1,5 @@
 #include "vdb/picture/view.h"
+#include "core/tool/bit_profile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,6 @@
 #include "vdb/sim/bone.h"
+#include "core/plan/path_doubt.h"
+#include "core/segment/warning_metadata.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,9 +7,11 @@
 
 #include "core/base/error.h"
 #include "core/points/point_volume.h"
+#include "core/segment/float_grid.h"
 #include "core/tool/drill_path.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/sim/recorded_hole.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {

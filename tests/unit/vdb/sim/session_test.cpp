@@ -1,4 +1,5 @@
 #include "vdb/sim/session.h"
+#include "vdb/sim/recorded_hole.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

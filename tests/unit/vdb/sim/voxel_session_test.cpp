@@ -17,6 +17,7 @@
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/drilling.h"
+#include "vdb/sim/recorded_hole.h"
 #include "vdb/sim/replay.h"
 #include "vdb/sim/session_batch.h"
 

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/session/drill_session.h"
 #include "core/session/real_time/timing.h"
 
 namespace spinaltap {

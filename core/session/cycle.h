@@ -1,11 +1,53 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <string_view>
 
 #include "core/base/geometry.h"
+#include "core/engine/step_result.h"
+#include "core/force/drill_force.h"
+#include "core/heat/thermal_bone.h"
+#include "core/session/drill_state.h"
+#include "core/session/operator/operator.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
+
+/// How far a bit's surface is from the bone's walls: negative by how far it is beyond them. Infinite where the bone has
+/// no such wall, or the bit is not near it.
+struct Clearance {
+  double outer_mm = std::numeric_limits<double>::infinity();
+  double canal_mm = std::numeric_limits<double>::infinity();
+  Vec3 outer_at_mm = Vec3::Zero();  ///< place on the bit's axis where it is least, patient LPS
+  Vec3 canal_at_mm = Vec3::Zero();
+};
+
+/// Where a tool's tip is in the bone.
+struct TipPlace {
+  double inside_mm = std::numeric_limits<double>::infinity();  ///< to the bone's surface, in it; negative: beyond it
+  /// How far the bone goes on along the axis: to the far surface, or into the canal. Infinite where that is further
+  /// than ClearanceField::kAheadMm or not known, 0 outside the bone.
+  double ahead_mm = std::numeric_limits<double>::infinity();
+};
+
+/// What one cycle was and did.
+struct Cycle {
+  std::uint64_t index = 0;
+  double time_s = 0.0;  ///< since the first input; the sum of dt_s, rounded once
+  ToolInput input;      ///< as the operator gave it
+  Pose pose;            ///< of the bit: the input's, but for what gives way in a compliant tool
+  /// Of the tip along the path, straight or curved: 0 at the entry. Without a path below the bone's surface: negative
+  /// outside, minus infinity far outside, and 0 where there are no clearances to tell.
+  double depth_mm = 0.0;
+  StepResult step;
+  DrillForce force;
+  Clearance clearance;
+  TipPlace tip;  ///< infinite without clearances, and of a milling with a path
+  DrillState state = DrillState::initial;
+  CycleHeat heat;
+};
 
 /// What may happen in a session. Numbers are what records store: only add at the end.
 enum class EventKind : std::uint8_t {
@@ -32,6 +74,7 @@ enum class EventKind : std::uint8_t {
 /// "contact", "state", "outer breach", ...
 std::string_view name_of(EventKind kind);
 
+/// What happened in a session, and when.
 struct SessionEvent {
   EventKind kind = EventKind::contact;
   std::uint64_t cycle = 0;
@@ -40,5 +83,8 @@ struct SessionEvent {
   Vec3 place_mm = Vec3::Zero();  ///< patient LPS: of the tip, or where the breach is
   double value = 0.0;            ///< see EventKind
 };
+
+/// What is told of each cycle; the reference holds until it returns.
+using CycleObserver = std::function<void(const Cycle&)>;
 
 }  // namespace spinaltap

@@ -10,7 +10,6 @@
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
-#include "mesh/mesh_io.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/replay.h"
 #include "vdb/sim/session.h"

@@ -1,4 +1,4 @@
-#include "core/session/session_event.h"
+#include "core/session/cycle.h"
 
 namespace spinaltap {
 
