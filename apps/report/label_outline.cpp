@@ -66,6 +66,7 @@ void draw_label_outline(Image& image, const LabelPixels& pixels, int label, cons
   };
   for (int row = 0; row < pixels.height; ++row) {
     for (int column = 0; column < pixels.width; ++column) {
+      if (pixels.at(column, row) != label) continue;
       for (int side = 0; side < 4; ++side) {
         const PixelEdge first{column, row, side};
         if (!walk.on_outline(first) || (seen_at(first) >> side & 1) != 0) continue;

@@ -116,16 +116,20 @@ std::string LevelSlices::title(const PictureLevel& level) const {
   return level.suspect ? title + " ?" : title;
 }
 
-Colour LevelSlices::colour(const PictureLevel& level) const {
+Colour level_colour(std::size_t n) {
   constexpr std::array<Colour, 6> kCycle{{{0x56, 0xB4, 0xE9},
                                           {0xE6, 0x9F, 0x00},
                                           {0x00, 0x9E, 0x73},
                                           {0xF0, 0xE4, 0x42},
                                           {0xCC, 0x79, 0xA7},
                                           {0xD5, 0x5E, 0x00}}};
+  return kCycle[n % kCycle.size()];
+}
+
+Colour LevelSlices::colour(const PictureLevel& level) const {
   const auto found = std::find_if(levels_.begin(), levels_.end(),
                                   [&](const PictureLevel& other) { return other.label == level.label; });
-  return kCycle[static_cast<std::size_t>(found - levels_.begin()) % kCycle.size()];
+  return level_colour(static_cast<std::size_t>(found - levels_.begin()));
 }
 
 LabelPixels LevelSlices::pixels_of(const BentFrame& frame) const {

@@ -14,6 +14,10 @@ namespace spinaltap {
 /// Ground of pictures of levels, and what lies beyond the CT in them.
 constexpr Colour kPictureGround{40, 44, 60};
 
+/// Of the n-th level from the head: Okabe & Ito's, without those too dark for a CT; neighbouring levels have different
+/// ones.
+Colour level_colour(std::size_t n);
+
 /// A slice with its outlines, and the mapping between its pixels and the patient.
 struct LevelSlice {
   Image image;
@@ -37,7 +41,7 @@ class LevelSlices {
   const std::vector<PictureLevel>& levels() const { return levels_; }
   /// "T9", "T9 ?" where it is suspect, "LABEL 3" where the map has no name.
   std::string title(const PictureLevel& level) const;
-  /// Okabe & Ito's, without those too dark for a CT; neighbouring levels have different ones.
+  /// level_colour() of its place among them.
   Colour colour(const PictureLevel& level) const;
 
   /// The whole column, bent through the levels' centres, names beside the bodies.

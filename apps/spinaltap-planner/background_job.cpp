@@ -2,13 +2,42 @@
 
 #include <QEventLoop>
 #include <QMetaObject>
+#include <algorithm>
 #include <exception>
+#include <memory>
 #include <new>
 #include <utility>
 
 #include "core/base/error.h"
 
 namespace spinaltap {
+
+namespace {
+
+/// The share of all stages that is done, from the shares of each. Stages that it does not know, or that come again, are
+/// parts of the last one.
+class WholeShare {
+ public:
+  explicit WholeShare(std::vector<JobStage> stages) : stages_(std::move(stages)) {
+    for (const JobStage& stage : stages_) total_ += stage.weight;
+  }
+
+  double at(std::string_view name, double fraction) {
+    if (stages_.empty()) return fraction;
+    double before = 0.0;
+    for (const JobStage& stage : stages_) {
+      if (stage.name == name) share_ = std::max(share_, (before + stage.weight * fraction) / total_);
+      before += stage.weight;
+    }
+    return share_;
+  }
+
+ private:
+  std::vector<JobStage> stages_;
+  double total_ = 0.0, share_ = 0.0;
+};
+
+}  // namespace
 
 BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {}
 
@@ -17,11 +46,13 @@ BackgroundJob::~BackgroundJob() {
   if (thread_.joinable()) thread_.join();
 }
 
-void BackgroundJob::start(const QString& what, std::function<std::function<void()>(const Progress&)> work) {
+void BackgroundJob::start(const QString& what, std::function<std::function<void()>(const Progress&)> work,
+                          const std::vector<JobStage>& stages) {
   if (is_running()) fail("expected no other work while ", what_.toStdString(), " runs");
   what_ = what;
   is_cancelled_ = false;
-  progress_ = Progress([this](std::string_view stage, double share) {
+  progress_ = Progress([this, whole = std::make_shared<WholeShare>(stages)](std::string_view stage, double fraction) {
+    const double share = whole->at(stage, fraction);
     const QString name = QString::fromUtf8(stage.data(), static_cast<int>(stage.size()));
     QMetaObject::invokeMethod(
         this, [this, name, share] { Q_EMIT progressed(name, share); }, Qt::QueuedConnection);

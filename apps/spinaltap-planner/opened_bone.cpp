@@ -6,11 +6,14 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
+#include "core/ct/crop.h"
 #include "core/ct/read_ct.h"
 #include "core/files/bake_cache.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/bake_ct.h"
+#include "vdb/sim/label_warnings.h"
 
 namespace spinaltap {
 
@@ -34,59 +37,88 @@ void add_bone(Bone bone, OpenedBone& opened, const Progress& progress) {
   opened.neighbours = neighbours_among(opened.bone->neighbours(), progress);
 }
 
-/// Bakes a vertebra of the CT that `opened` has.
-void bake_into(OpenedBone& opened, const std::filesystem::path& cache, const Progress& progress) {
-  BakeCtOptions options;
-  options.segment.seed_mm = opened.options.seed_mm;
-  options.cache = cache;
-  add_bone(Bone(bake_ct(opened.ct, options, progress).bone), opened, progress);
+/// The voxels of a label on a grid of which the map's is a part.
+BoneMask mask_on(const GridGeometry& grid, const LabelVolume& part, int label) {
+  const std::array<int, 3>& size = part.geometry.size;
+  const Eigen::Array3i first = grid.to_index(part.geometry.origin_mm).array().round().cast<int>();
+  BoneMask mask{grid, std::vector<std::uint8_t>(grid.voxel_count(), 0)};
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      const std::uint8_t* from = part.labels.data() + part.geometry.offset(0, j, k);
+      std::uint8_t* to = mask.inside.data() + grid.offset(first.x(), first.y() + j, first.z() + k);
+      std::transform(from, from + size[0], to,
+                     [label](std::uint8_t one) { return static_cast<std::uint8_t>(one == label); });
+    }
+  }
+  return mask;
+}
+
+/// A bone of an opened CT, which shares the CT.
+std::shared_ptr<const OpenedBone> with_bone(const OpenedBone& ct, const Vec3& seed_mm, Bone bone,
+                                            const std::filesystem::path& cache, const Progress& progress) {
+  auto opened = std::make_shared<OpenedBone>(ct.volume);
+  opened->file = ct.file;
+  opened->options = ct.options;
+  opened->options.level = Level::kNone;  // another build may name it otherwise
+  opened->options.seed_mm = seed_mm;
+  opened->is_whole_ct = true;
+  add_bone(std::move(bone), *opened, progress);
   BakeCache(cache).prune(kCacheBytes, kCacheDays);
+  return opened;
 }
 
 }  // namespace
 
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress, Level level) {
-  auto opened = std::make_shared<OpenedBone>();
-  opened->file = file;
-  opened->options.level = level;
   progress.report("reading", 0.0);
   Bone bone = Bone::load(file, level);
   progress.report("reading", 0.5);
-  opened->ct = ct_of_bone(bone.model());
+  auto opened = std::make_shared<OpenedBone>(std::make_shared<const CtVolume>(ct_of_bone(bone.model())));
+  opened->file = file;
+  opened->options.level = level;
   add_bone(std::move(bone), *opened, progress);
   return opened;
 }
 
 std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const OpenOptions& options,
-                                          const std::filesystem::path& cache, const Progress& progress) {
-  auto opened = std::make_shared<OpenedBone>();
+                                          const Progress& progress) {
+  auto opened =
+      std::make_shared<OpenedBone>(std::make_shared<const CtVolume>(read_ct(path, options.reading, progress)));
   opened->file = path;
   opened->options = options;
-  opened->ct = read_ct(path, options.reading, progress);
   opened->is_whole_ct = true;
-  try {
-    bake_into(*opened, cache, progress);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const Error& error) {
-    if (options.seed_mm) throw;
-    opened->no_bone = error.what();
-    opened->bone.reset();
-    opened->surface.clear();
-  }
   return opened;
+}
+
+SpineSegmentation find_levels(const OpenedBone& ct, const Progress& progress) {
+  SpineSegmentation found = segment_spine(ct.ct, {}, progress);
+  if (found.levels.empty()) return found;
+  BoneMask labels{found.labels.geometry, std::move(found.labels.labels)};
+  labels = crop(labels, block_around(labels, 0.0));
+  found.labels.geometry = labels.geometry;
+  found.labels.labels = std::move(labels.inside);
+  return found;
+}
+
+std::shared_ptr<const OpenedBone> bake_level(const OpenedBone& ct, const SpineSegmentation& found,
+                                             const LevelReport& level, const std::filesystem::path& cache,
+                                             const Progress& progress) {
+  MaskStage mask{
+      mask_on(ct.ct.geometry, found.labels, level.label),
+      joined(level.name, " of ", found.levels.size(), " found; bone from ", found.bone.threshold_hu, " HU on"),
+      level.level, warnings_of(level)};
+  warn_of_border(mask.mask, *mask.warnings);
+  BakeCtOptions options;
+  options.cache = cache;
+  return with_bone(ct, level.body_centre_mm, Bone(bake_mask(ct.ct, mask, options, progress).bone), cache, progress);
 }
 
 std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
                                                    const std::filesystem::path& cache, const Progress& progress) {
-  auto opened = std::make_shared<OpenedBone>();
-  opened->file = ct.file;
-  opened->options = ct.options;
-  opened->options.seed_mm = seed_mm;
-  opened->ct = ct.ct;
-  opened->is_whole_ct = true;
-  bake_into(*opened, cache, progress);
-  return opened;
+  BakeCtOptions options;
+  options.segment.seed_mm = seed_mm;
+  options.cache = cache;
+  return with_bone(ct, seed_mm, Bone(bake_ct(ct.ct, options, progress).bone), cache, progress);
 }
 
 Box3 OpenedBone::bounds_mm() const {

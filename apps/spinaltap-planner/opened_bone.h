@@ -5,12 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
+#include "core/segment/segment_spine.h"
 #include "core/tool/drill_path.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/surface_block.h"
@@ -23,19 +25,22 @@ inline constexpr double kSurfaceVoxelMm = 0.5;
 
 /// Which bone of a file, and how the file is read. The defaults fit files with one bone, and CTs without gaps.
 struct OpenOptions {
-  Level level = Level::kNone;     ///< of a spine.vdb
+  Level level = Level::kNone;     ///< of a spine.vdb, or to bake of a CT
   CtReadOptions reading{};        ///< of a CT
-  std::optional<Vec3> seed_mm{};  ///< in the body of the vertebra that is baked, patient LPS; without it the largest
+  std::optional<Vec3> seed_mm{};  ///< in the body of the vertebra to bake of a CT, patient LPS
+  bool bakes_only_whole = true;   ///< without these: the vertebra of a CT, where but one is whole
 };
 
-/// A bone that the window shows: all of it is made in the background and then only read, from any thread.
+/// A CT, or a bone, that the window shows: all of it is made in the background and then only read, from any thread.
 struct OpenedBone {
-  std::filesystem::path file;  ///< that was opened: a CT or a bone.vdb
-  OpenOptions options;         ///< with which it was
-  std::optional<Bone> bone;    ///< grids, and walls with landmarks where they were found; none: see `no_bone`
-  std::string no_bone;         ///< why a CT is all there is: no vertebra was found in it without a seed
-  CtVolume ct;                 ///< for slices: the CT itself, or what the bone keeps of it
-  bool is_whole_ct = false;    ///< the first of these: there may be other vertebrae in it
+  explicit OpenedBone(std::shared_ptr<const CtVolume> slices) : volume(std::move(slices)), ct(*volume) {}
+
+  std::filesystem::path file;              ///< that was opened: a CT or a bone.vdb
+  OpenOptions options;                     ///< with which it was
+  std::optional<Bone> bone;                ///< grids, and walls with landmarks where they were found; none: a CT alone
+  std::shared_ptr<const CtVolume> volume;  ///< bones of one CT share it
+  const CtVolume& ct;                      ///< the same, for slices: the CT itself, or what the bone keeps of it
+  bool is_whole_ct = false;                ///< the first of these: there may be other vertebrae in it
 
   std::vector<Neighbour> neighbours;  ///< the vertebrae beside the bone in its file
 
@@ -60,17 +65,24 @@ FileKind kind_of_file(const std::filesystem::path& path);
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {},
                                             Level level = Level::kNone);
 
-/// Reads a CT and bakes a vertebra of it; keeps the stages of the bake in `cache` (empty: keeps nothing), which holds
-/// no more than kCacheBytes, for kCacheDays. Where no vertebra is found without a seed, the CT alone is what opens.
-/// Throws Error as read_ct() does, and with a seed as bake_ct().
+/// Reads a CT and no more: its slices can be looked at. Throws Error as read_ct() does.
 std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const OpenOptions& options,
-                                          const std::filesystem::path& cache, const Progress& progress = {});
-inline constexpr std::uint64_t kCacheBytes = std::uint64_t{1} << 30U;
-inline constexpr int kCacheDays = 60;
+                                          const Progress& progress = {});
 
-/// Bakes the vertebra of an opened CT whose body holds a place (patient LPS, mm). Throws Error as bake_ct() does.
+/// The vertebrae of an opened CT. The map of their labels is no larger than they are, for memory: its grid is a part of
+/// the CT's. Throws Error as segment_spine() does.
+SpineSegmentation find_levels(const OpenedBone& ct, const Progress& progress = {});
+
+/// Bakes a vertebra that find_levels() found. Keeps the stages of the bake in `cache` (empty: keeps nothing),
+/// which holds no more than kCacheBytes, for kCacheDays. Throws Error as bake_mask() does.
+std::shared_ptr<const OpenedBone> bake_level(const OpenedBone& ct, const SpineSegmentation& found,
+                                             const LevelReport& level, const std::filesystem::path& cache,
+                                             const Progress& progress = {});
+/// The same of the vertebra whose body holds a place (patient LPS, mm). Throws Error as bake_ct() does.
 std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
                                                    const std::filesystem::path& cache, const Progress& progress = {});
+inline constexpr std::uint64_t kCacheBytes = std::uint64_t{1} << 30U;
+inline constexpr int kCacheDays = 60;
 
 /// The place of the bone's outer surface that is nearest to a position (patient LPS, mm), to a few µm; the position
 /// itself where it is not a number.

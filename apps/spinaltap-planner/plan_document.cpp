@@ -81,10 +81,17 @@ PlanDocument::PlanDocument(QObject* parent) : QObject(parent) {}
 PlanDocument::~PlanDocument() = default;
 
 void PlanDocument::set_bone(std::shared_ptr<const OpenedBone> bone) {
+  if (!opened_ || !bone || opened_->volume != bone->volume) set_levels(nullptr);
   opened_ = std::move(bone);
   bone_ = opened_ && opened_->bone ? opened_ : nullptr;
   Q_EMIT bone_changed();
   set_paths({});
+}
+
+void PlanDocument::set_levels(std::shared_ptr<const SpineSegmentation> levels) {
+  if (levels == levels_) return;
+  levels_ = std::move(levels);
+  Q_EMIT levels_changed();
 }
 
 void PlanDocument::set_paths(std::vector<DrillPath> paths) {

@@ -31,6 +31,9 @@ class PlanDocument : public QObject {
   const std::shared_ptr<const OpenedBone>& opened() const { return opened_; }
   /// Another bone, or a CT without one: an empty plan, nothing to undo.
   void set_bone(std::shared_ptr<const OpenedBone> bone);
+  /// The vertebrae that were found in what slices are of; null: not yet, or none. Another CT has none.
+  const std::shared_ptr<const SpineSegmentation>& levels() const { return levels_; }
+  void set_levels(std::shared_ptr<const SpineSegmentation> levels);
   /// Another plan for this bone, as read from a file: nothing to undo. Throws Error where a path is bad.
   void set_paths(std::vector<DrillPath> paths);
 
@@ -66,6 +69,7 @@ class PlanDocument : public QObject {
 
  Q_SIGNALS:
   void bone_changed();
+  void levels_changed();
   void paths_changed();   ///< any of them: places, names, tools, how many
   void chosen_changed();  ///< another path, or none
 
@@ -75,6 +79,7 @@ class PlanDocument : public QObject {
   void push(ReplacePaths* change);
 
   std::shared_ptr<const OpenedBone> opened_, bone_;
+  std::shared_ptr<const SpineSegmentation> levels_;
   std::vector<DrillPath> paths_;
   int chosen_ = -1;
   std::uint64_t revision_ = 0;

@@ -1,10 +1,8 @@
 #include "apps/spinaltap-planner/planner.h"
 
-#include <QDir>
-#include <QFile>
-#include <QFileInfo>
-#include <QStandardPaths>
+#include <QMetaObject>
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "apps/report/grade_report.h"
@@ -20,14 +18,6 @@
 
 namespace spinaltap {
 namespace {
-
-/// Empty where the user has none that can be written: a bake then keeps nothing.
-std::filesystem::path bake_cache_folder() {
-  const QString folder = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + "/bakes";
-  if (!QDir().mkpath(folder) || !QFileInfo(folder).isWritable()) return {};
-  QFile::setPermissions(folder, QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);  // it holds anatomy
-  return folder.toStdString();
-}
 
 bool meets(const DrillPath& path, const BoneModel& bone) {
   try {
@@ -59,7 +49,24 @@ QString name_of_file(const std::filesystem::path& path) { return text_of(path.fi
 
 Planner::Planner(QObject* parent) : QObject(parent), player_(document_) {
   connect(&job_, &BackgroundJob::finished, this, [this](bool, const QString& why) {
+    is_opening_ = false;
+    if (next_) {
+      // Not from within the end of the work: who shows it has not heard of it yet.
+      QMetaObject::invokeMethod(
+          this, [this] { open_next(); }, Qt::QueuedConnection);
+    }
     if (!why.isEmpty()) Q_EMIT trouble(job_.what(), why);
+  });
+  connect(&levels_, &CtLevels::search_ended, this, &Planner::take_levels);
+  connect(&levels_, &CtLevels::baked, this, &Planner::take_baked);
+  connect(&levels_, &CtLevels::failed, this, [this](int index) {
+    const CtLevel& level = levels_.levels()[static_cast<std::size_t>(index)];
+    const QString what = tr("Baking %1").arg(level.name()), why = level.why;
+    if (index == wanted_) {
+      wanted_ = -1;
+      plan_waiting_.clear();
+    }
+    Q_EMIT trouble(what, why);
   });
   connect(&document_, &PlanDocument::chosen_changed, this, &Planner::show_chosen_path);
 }
@@ -83,18 +90,38 @@ std::optional<PathFigures> Planner::figures() const {
   return figures;
 }
 
+bool Planner::is_working() const { return job_.is_running() || next_ || levels_.is_working(); }
+
+void Planner::cancel() {
+  next_.reset();
+  job_.cancel();
+}
+
 void Planner::open(const std::filesystem::path& path, const OpenOptions& options) {
-  const FileKind kind = kind_of_file(path);
-  if (kind == FileKind::plan) {
+  if (kind_of_file(path) == FileKind::plan) {
     open_plan(path);
-    return;
+  } else if (job_.is_running()) {
+    next_ = {path, options};
+    if (is_opening_) job_.cancel();
+  } else {
+    open_at_once(path, options);
   }
+}
+
+void Planner::open_next() {
+  if (!next_) return;
+  if (job_.is_running()) return;  // another work was quicker: its end comes
+  const ToOpen next = *std::exchange(next_, std::nullopt);
+  open_at_once(next.path, next.options);
+}
+
+void Planner::open_at_once(const std::filesystem::path& path, const OpenOptions& options) {
+  const bool is_bone = kind_of_file(path) == FileKind::bone;
   job_.start(tr("Opening %1").arg(name_of_file(path)),
-             [this, path, kind, options](const Progress& progress) -> std::function<void()> {
+             [this, path, is_bone, options](const Progress& progress) -> std::function<void()> {
                try {
-                 std::shared_ptr<const OpenedBone> bone = kind == FileKind::bone
-                                                              ? open_bone(path, progress, options.level)
-                                                              : open_ct(path, options, bake_cache_folder(), progress);
+                 std::shared_ptr<const OpenedBone> bone =
+                     is_bone ? open_bone(path, progress, options.level) : open_ct(path, options, progress);
                  return [this, bone = std::move(bone)] { offer_bone(bone); };
                } catch (const SeveralSeries& several) {
                  return [this, path, options, several] {
@@ -108,15 +135,93 @@ void Planner::open(const std::filesystem::path& path, const OpenOptions& options
                  };
                }
              });
+  is_opening_ = true;
 }
 
-void Planner::bake_here() {
+void Planner::show_level(int index) {
+  const CtLevel& level = levels_.levels().at(static_cast<std::size_t>(index));
+  wanted_ = -1;
+  if (level.bone) return show_bone(level.bone);
+  wanted_ = index;
+  if (view_.crosshair_mm() == placed_mm_) put_crosshair(level.report.body_centre_mm);
+  levels_.bake(index);
+}
+
+void Planner::bake_all() {
+  if (!levels_.is_baking()) wanted_ = -1;
+  for (std::size_t n = 0; n < levels_.levels().size(); ++n) {
+    if (!levels_.levels()[n].report.is_cut) levels_.bake(static_cast<int>(n));
+  }
+}
+
+int Planner::level_here() {
   const std::shared_ptr<const OpenedBone> opened = document_.opened();
   if (!opened || !opened->is_whole_ct) fail("expected an open CT, found none: a baked bone holds but one vertebra");
-  job_.start(tr("Baking the vertebra here"), [this, opened, seed_mm = view_.crosshair_mm()](const Progress& progress) {
-    std::shared_ptr<const OpenedBone> other = bake_vertebra_at(*opened, seed_mm, bake_cache_folder(), progress);
-    return [this, other = std::move(other)] { offer_bone(other); };
-  });
+  return levels_.pointed_at(view_.crosshair_mm());
+}
+
+/// The search for levels has ended.
+void Planner::take_levels() {
+  document_.set_levels(levels_.found());
+  if (levels_.search() == CtLevels::Search::cancelled) return give_plan_up(tr("the search for its vertebra was ended"));
+  if (levels_.search() == CtLevels::Search::failed || levels_.levels().empty()) {
+    plan_waiting_.clear();
+    Q_EMIT no_bone(levels_.found() ? tr("of the spine the sacrum is all that is in it") : levels_.why_none());
+    return;
+  }
+  if (!plan_waiting_.empty()) return bake_for_plan();
+  if (levels_.is_baking()) wanted_ = levels_.next();  // it was pointed at before
+  if (document_.bone() || levels_.is_baking()) return;
+  const OpenOptions& options = document_.opened()->options;
+  if (options.level != Level::kNone) {
+    const int named = levels_.named(options.level);
+    if (named >= 0) return show_level(named);
+    QStringList names;
+    for (const CtLevel& level : levels_.levels()) names += level.name();
+    Q_EMIT trouble(tr("Opening %1").arg(name_of_file(document_.opened()->file)),
+                   tr("expected %1 in this CT, found %2").arg(text_of(level_name(options.level)), names.join(", ")));
+  } else if (const int only = levels_.only_whole(); only >= 0 && options.bakes_only_whole) {
+    show_level(only);
+  }
+}
+
+void Planner::take_baked(int index) {
+  const CtLevel& level = levels_.levels()[static_cast<std::size_t>(index)];
+  const bool is_wanted = index == wanted_ || (!document_.bone() && wanted_ < 0);
+  if (is_wanted && !has_unsaved_changes() && !player_.has_unsaved()) {
+    show_level(index);
+  } else {
+    if (is_wanted) wanted_ = -1;
+    Q_EMIT said(tr("%1 is baked").arg(level.name()));
+  }
+}
+
+/// The level that most of the plan's first path lies in.
+void Planner::bake_for_plan() {
+  try {
+    const std::vector<DrillPath> paths = read_plan(plan_waiting_);
+    std::map<int, int> votes;
+    constexpr int kPlaces = 40;
+    const PathCurve curve(paths.front());
+    for (int n = 0; n <= kPlaces; ++n) {
+      if (const int level = levels_.at(curve.at_mm(curve.length_mm() * n / kPlaces)); level >= 0) ++votes[level];
+    }
+    if (votes.empty()) {
+      fail("the first path of ", plan_waiting_.string(),
+           " lies in no vertebra that was found in this CT: the plan is for another one, or in another frame");
+    }
+    show_level(std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+                 return a.second < b.second;
+               })->first);
+  } catch (const Error& error) {
+    give_plan_up(text_of(error.what()));
+  }
+}
+
+void Planner::give_plan_up(const QString& why) {
+  if (plan_waiting_.empty()) return;
+  const std::filesystem::path file = std::exchange(plan_waiting_, {});
+  Q_EMIT trouble(tr("Opening %1").arg(name_of_file(file)), why);
 }
 
 /// Shows it, where the person agrees to what goes with that.
@@ -126,15 +231,34 @@ void Planner::offer_bone(const std::shared_ptr<const OpenedBone>& bone) {
 }
 
 void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
+  const bool is_of_open_ct = document_.opened() && document_.opened()->volume == bone->volume;
+  const bool is_crosshair_moved = is_of_open_ct && view_.crosshair_mm() != placed_mm_;
   take_plan_file({});
   suggested_.clear();
   document_.set_bone(bone);
-  view_.set_crosshair(bone->options.seed_mm.value_or(bone->bounds_mm().center()));
+  if (!is_crosshair_moved) put_crosshair(bone->options.seed_mm.value_or(bone->bounds_mm().center()));
   const QString file = text_of(bone->file.string());
-  const std::string warning = bone->bone ? bone->bone->no_landmarks() : "no vertebra was found in it";
+  const std::string warning = bone->bone ? bone->bone->no_landmarks() : "";
   Q_EMIT said(warning.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(warning)));
   Q_EMIT opened(file);
-  if (!bone->bone) Q_EMIT no_bone(text_of(bone->no_bone));
+  if (!is_of_open_ct) {
+    wanted_ = -1;
+    plan_waiting_.clear();
+    levels_.set_ct(bone->bone ? nullptr : bone);
+    if (!bone->bone && bone->options.seed_mm) show_level(levels_.pointed_at(*bone->options.seed_mm));
+  } else if (!plan_waiting_.empty()) {
+    const std::filesystem::path plan = std::exchange(plan_waiting_, {});
+    try {
+      open_plan(plan);
+    } catch (const Error& error) {
+      Q_EMIT trouble(tr("Opening %1").arg(name_of_file(plan)), text_of(error.what()));
+    }
+  }
+}
+
+void Planner::put_crosshair(const Vec3& p_mm) {
+  placed_mm_ = p_mm;
+  view_.set_crosshair(p_mm);
 }
 
 void Planner::take_plan_file(const std::filesystem::path& file) {
@@ -152,6 +276,13 @@ bool Planner::is_plan_file_foreign() const {
 
 void Planner::open_plan(const std::filesystem::path& file) {
   std::vector<DrillPath> paths = read_plan(file);
+  const bool is_found = levels_.search() == CtLevels::Search::found;
+  if (!document_.bone() && (is_found || levels_.search() == CtLevels::Search::running)) {
+    plan_waiting_ = file;
+    Q_EMIT said(tr("%1 opens when its vertebra is baked").arg(name_of_file(file)));
+    if (is_found) bake_for_plan();
+    return;
+  }
   if (!document_.bone()) {
     fail("expected a bone for the plan ", file.string(), ", found none: open the CT or the bone it is for first");
   }

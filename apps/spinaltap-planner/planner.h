@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/background_job.h"
+#include "apps/spinaltap-planner/ct_levels.h"
 #include "apps/spinaltap-planner/drill/drill_player.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/plan_document.h"
@@ -40,19 +41,36 @@ class Planner : public QObject {
   PlanDocument& document() { return document_; }
   ViewState& view() { return view_; }
   DrillPlayer& player() { return player_; }
+  /// Opens and writes; levels() works beside it.
   BackgroundJob& job() { return job_; }
+  const BackgroundJob& job() const { return job_; }
+  CtLevels& levels() { return levels_; }
+  /// Something that was asked for is not done yet: opening, writing, looking for levels, baking.
+  bool is_working() const;
+  /// Ends what job() does, and forgets what was to be opened after it.
+  void cancel();
   const PathGrader& grader() const { return grader_; }
   void set_questions(Questions questions) { questions_ = std::move(questions); }
   /// Of the chosen path; nothing without a bone or a path.
   std::optional<PathFigures> figures() const;
 
   /// Opens a CT, a baked bone, or a plan for the bone that is open. CTs and bones take a while: opened() tells when
-  /// they are there. Throws Error where the file cannot be; what was open then stays. A CT in which no vertebra is
-  /// found opens alone, which no_bone() tells.
+  /// they are there. Throws Error where the file cannot be; what was open then stays. A file that is being opened makes
+  /// way for the next.
+  ///
+  /// Of a CT the slices are there first. Then levels() looks for its vertebrae, and the one that the options name, or
+  /// the only one that is whole, is baked and shown. no_bone() tells where there is none. A plan for a CT of which
+  /// no bone is shown has the level baked that its paths lie in.
   void open(const std::filesystem::path& path, const OpenOptions& options = {});
-  /// Bakes the vertebra of the open CT whose body the crosshair is in, as open() does. Throws Error where no CT is
-  /// open.
-  void bake_here();
+  bool is_to_open() const { return next_.has_value(); }
+  /// Shows a level, or bakes it and then shows it, unless something that is not saved would be lost by then.
+  void show_level(int index);
+  /// Puts the crosshair to a place that the program chose.
+  void put_crosshair(const Vec3& p_mm);
+  /// Bakes all levels that are whole; the first is shown where no bone is.
+  void bake_all();
+  /// The vertebra of the open CT whose body the crosshair is in. Throws Error where no CT is open.
+  int level_here();
   /// Throws Error where it cannot be written. A name that ends in ".mrk.json" makes 3D Slicer's markups: a copy, which
   /// does not become the plan's file.
   void save_plan(const std::filesystem::path& path);
@@ -81,6 +99,12 @@ class Planner : public QObject {
   void no_bone(const QString& why);  ///< in the CT that was opened: its slices are all there is
 
  private:
+  void open_at_once(const std::filesystem::path& path, const OpenOptions& options);
+  void open_next();
+  void take_levels();
+  void take_baked(int index);
+  void bake_for_plan();
+  void give_plan_up(const QString& why);
   void write_drilling(const QString& what, const std::filesystem::path& path,
                       const std::function<void(const DoneDrilling&, const Progress&)>& write);
   void offer_bone(const std::shared_ptr<const OpenedBone>& bone);
@@ -98,6 +122,16 @@ class Planner : public QObject {
   std::filesystem::path plan_file_;
   std::vector<SuggestedPath> suggested_;  ///< for this bone, last; for the reasons of paths that are still among them
   std::optional<std::filesystem::file_time_type> plan_file_time_;
+  struct ToOpen {
+    std::filesystem::path path;
+    OpenOptions options;
+  };
+  std::optional<ToOpen> next_;          ///< to open when job_ has ended
+  bool is_opening_ = false;             ///< that is what job_ does
+  std::filesystem::path plan_waiting_;  ///< for its bone; empty: none
+  int wanted_ = -1;                     ///< the level that is shown once it is baked
+  Vec3 placed_mm_ = Vec3::Zero();       ///< where the program put the crosshair: nobody moved it since, if it is there
+  CtLevels levels_;
   BackgroundJob job_;  ///< last: it ends before what it works for
 };
 

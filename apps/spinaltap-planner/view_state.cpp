@@ -32,6 +32,11 @@ void ViewState::show_tools(bool are_shown) {
   Q_EMIT scene_changed();
 }
 
+void ViewState::show_levels(bool are_shown) {
+  shows_levels_ = are_shown;
+  Q_EMIT levels_changed();
+}
+
 void ViewState::set_hovered(const std::optional<Vec3>& p_mm) {
   hovered_mm_ = p_mm;
   Q_EMIT hovered_changed();

@@ -35,6 +35,10 @@ class ViewState : public QObject {
   bool shows_tools() const { return shows_tools_; }
   void show_tools(bool are_shown);
 
+  /// Whether the vertebrae that were found in a CT are outlined on its slices.
+  bool shows_levels() const { return shows_levels_; }
+  void show_levels(bool are_shown);
+
   /// What lies under the pointer, patient LPS, mm; nothing where it is on no slice.
   const std::optional<Vec3>& hovered_mm() const { return hovered_mm_; }
   void set_hovered(const std::optional<Vec3>& p_mm);
@@ -42,7 +46,8 @@ class ViewState : public QObject {
  Q_SIGNALS:
   void crosshair_changed();
   void window_changed();
-  void scene_changed();  ///< opacity, guide planes or tools
+  void scene_changed();   ///< opacity, guide planes or tools
+  void levels_changed();  ///< outlined or not
   void hovered_changed();
 
  private:
@@ -51,6 +56,7 @@ class ViewState : public QObject {
   double bone_opacity_ = 1.0;
   std::array<bool, 3> shows_guide_{false, false, false};
   bool shows_tools_ = true;
+  bool shows_levels_ = true;
   std::optional<Vec3> hovered_mm_;
 };
 

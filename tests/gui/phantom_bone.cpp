@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "core/ct/dicom_write.h"
 #include "core/phantom/vertebra_ground_truth.h"
+#include "tests/support/spine_scan.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
 
@@ -27,6 +29,19 @@ std::vector<DrillPath> phantom_paths() {
   const VertebraGroundTruth ground_truth = vertebra_ground_truth(Vertebra());
   return {{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {}},
           {"right", ground_truth.right.entry_mm, ground_truth.right.target_mm, {}}};
+}
+
+const std::filesystem::path& spine_folder() {
+  static const TemporaryFolder folder;
+  static const std::filesystem::path ct = [] {
+    SpineOptions options;
+    options.first = Level{18};
+    options.last = Level{21};
+    std::filesystem::create_directory(folder.path() / "spine");
+    write_dicom(scan_spine(Spine(options)), folder.path() / "spine");
+    return folder.path() / "spine";
+  }();
+  return ct;
 }
 
 DrillPath burr_path() {

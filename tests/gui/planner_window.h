@@ -4,10 +4,13 @@
 
 #include <QAbstractButton>
 #include <QApplication>
+#include <QDragEnterEvent>
 #include <QLabel>
 #include <QMessageBox>
+#include <QMimeData>
 #include <QSettings>
 #include <QTimer>
+#include <QUrl>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -57,6 +60,16 @@ class PlannerWindow : public testing::Test {
   static QPoint pixel_of(const SliceView& view, const Vec3& p_mm) { return view.place_of(p_mm).toPoint(); }
   static double mm_per_pixel(const SliceView& view) { return view.frame().pixel_mm * view.devicePixelRatioF(); }
   QString status() { return child<QLabel>("hover").text(); }
+  /// A file or a folder, from another program. The window opens it when it is back at its events.
+  void drop(const std::filesystem::path& file) {
+    QMimeData data;
+    data.setUrls({QUrl::fromLocalFile(text_of(file.string()))});
+    QDragEnterEvent enter(QPoint(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window.get(), &enter);
+    EXPECT_TRUE(enter.isAccepted());
+    QDropEvent drop(QPointF(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+    QApplication::sendEvent(window.get(), &drop);
+  }
 
   /// There is no window manager to give the keyboard back when a dialog has closed.
   void take_keyboard_back() { input.show(*window); }

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <QApplication>
-#include <QDragEnterEvent>
-#include <QMimeData>
 #include <atomic>
 #include <chrono>
 #include <fstream>
@@ -111,13 +109,7 @@ TEST_F(PlannerWindowTest, TakesAPlanThatIsDroppedOnIt) {
   show_phantom(false);
   const std::filesystem::path file = folder.path() / "plan.json";
   write_plan(phantom_paths(), file);
-  QMimeData data;
-  data.setUrls({QUrl::fromLocalFile(text_of(file.string()))});
-  QDragEnterEvent enter(QPoint(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-  QApplication::sendEvent(window.get(), &enter);
-  EXPECT_TRUE(enter.isAccepted());
-  QDropEvent drop(QPointF(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
-  QApplication::sendEvent(window.get(), &drop);
+  drop(file);
   EXPECT_TRUE(wait_until([&] { return document().paths().size() == 2; }));
 }
 

@@ -139,7 +139,8 @@ struct SceneView::Scene {
     bit.reset();
     hint->setText(document.opened() == nullptr
                       ? tr("Open a CT or a bone to see it here")
-                      : tr("No bone yet: put the crosshair into a vertebral body, then press Ctrl+B"));
+                      : tr("No bone yet: choose one on the page CT, or put the crosshair into a vertebral body "
+                           "and press Ctrl+B"));
     interaction.offer_handles(true);
     pages->setCurrentWidget(opened() == nullptr ? static_cast<QWidget*>(hint) : pane);
     if (opened() != nullptr) bone.update(opened()->surface);

@@ -111,8 +111,32 @@ class ScriptRun {
     if (!is_done()) loop.exec();
     if (!trouble.isEmpty()) fail(trouble.toStdString());
   }
-  void wait_for_job() {
-    wait_for([this] { return !planner().job().is_running(); });
+  void wait_for_work() {
+    wait_for([this] { return !planner().is_working(); });
+  }
+  /// Of a CT a vertebra is baked: the one that is named or the largest that is whole. "none": it is let alone.
+  void open(const std::string& file, const std::string& name) {
+    const bool is_left = name == "none";
+    const std::optional<Level> level = name.empty() || is_left ? Level::kNone : level_from_name(name);
+    if (!level) fail("expected a vertebra such as L3, or none, found \"", name, "\"");
+    planner().open(file, {.level = *level, .bakes_only_whole = !is_left});
+    wait_for_work();
+    if (is_left || document().bone() || planner().levels().largest() < 0) return;
+    planner().show_level(planner().levels().largest());
+    wait_for_work();
+  }
+  void bake(const std::string& what) {
+    if (what.empty()) {
+      planner().show_level(planner().level_here());
+    } else if (what == "all") {
+      planner().bake_all();
+    } else {
+      const std::optional<Level> level = level_from_name(what);
+      const int index = level ? planner().levels().named(*level) : -1;
+      if (index < 0) fail("expected a vertebra that was found in the CT, or all, found \"", what, "\"");
+      planner().show_level(index);
+    }
+    wait_for_work();
   }
   void wait_for_drilling() {
     wait_for([this] {
@@ -173,24 +197,18 @@ class ScriptRun {
   MainWindow* window_;
   std::map<std::string, Command> commands_{
       {"open",
-       {1, 2, "open FILE [LEVEL]: a CT, a bone (which of several: L3), or a plan for it",
-        [this](const Words& w) {
-          const std::optional<Level> level = w.size() > 1 ? level_from_name(w[1]) : Level::kNone;
-          if (!level) fail("expected a vertebra such as L3, found \"", w[1], "\"");
-          planner().open(w[0], {.level = *level});
-          wait_for_job();
-        }}},
+       {1, 2,
+        "open FILE [LEVEL|none]: a CT, a bone (which of several: L3), or a plan for it; of a CT the largest whole "
+        "vertebra is baked, or the one that is named, or none",
+        [this](const Words& w) { open(w[0], w.size() > 1 ? w[1] : ""); }}},
       {"bake",
-       {0, 0, "bake: the vertebra of the open CT that the crosshair is in",
-        [this](const Words&) {
-          planner().bake_here();
-          wait_for_job();
-        }}},
+       {0, 1, "bake [LEVEL|all]: the vertebra of the open CT that the crosshair is in, or this one, or all",
+        [this](const Words& w) { bake(w.empty() ? "" : w[0]); }}},
       {"suggest",
        {0, 0, "suggest: paths through both pedicles",
         [this](const Words&) {
           planner().suggest();
-          wait_for_job();
+          wait_for_work();
         }}},
       {"add",
        {7, 7, "add NAME X Y Z X Y Z: a path from entry to target, LPS, mm",
@@ -221,6 +239,9 @@ class ScriptRun {
         [this](const Words& w) {
           planner().view().set_window({number_of(w[0]), number_of(w[1])});
         }}},
+      {"levels",
+       {1, 1, "levels on|off: outlines on the slices of a CT",
+        [this](const Words& w) { planner().view().show_levels(is_on(w[0])); }}},
       {"opacity",
        {1, 1, "opacity 0..1: of the bone in 3D",
         [this](const Words& w) { planner().view().set_bone_opacity(number_within(w[0], 0.0, 1.0)); }}},
@@ -240,7 +261,8 @@ class ScriptRun {
           }
           window_->panes().show_only(w[0] == "all" ? QString() : text_of(w[0]));
         }}},
-      {"page", {1, 1, "page plan|path|drill|navigate", [this](const Words& w) { window_->show_page(text_of(w[0])); }}},
+      {"page",
+       {1, 1, "page ct|plan|path|drill|navigate", [this](const Words& w) { window_->show_page(text_of(w[0])); }}},
       {"size",
        {2, 2, "size WIDTH HEIGHT: of the window, pixels",
         [this](const Words& w) {
@@ -291,25 +313,25 @@ class ScriptRun {
        {1, 1, "save-bone FILE.vdb",
         [this](const Words& w) {
           planner().save_bone(w[0]);
-          wait_for_job();
+          wait_for_work();
         }}},
       {"report",
        {1, 1, "report FILE.html: on the paths",
         [this](const Words& w) {
           planner().save_report(w[0]);
-          wait_for_job();
+          wait_for_work();
         }}},
       {"record",
        {1, 1, "record FILE.h5: of the drilling",
         [this](const Words& w) {
           planner().save_record(w[0]);
-          wait_for_job();
+          wait_for_work();
         }}},
       {"drill-report",
        {1, 1, "drill-report FOLDER: on the drilling, as the program spinaltap writes it",
         [this](const Words& w) {
           planner().write_drill_report(w[0]);
-          wait_for_job();
+          wait_for_work();
         }}},
       {"picture",
        {1, 2, "picture FILE.png [PANE]: of the window or axial, coronal, sagittal, 3d, path",

@@ -96,6 +96,18 @@ void paint_pane_words(QPainter& painter, const PaneScene& scene, const QString& 
   paint_scale_bar(painter, scene, labels);
 }
 
+void paint_level_names(QPainter& painter, const PaneScene& scene, const std::vector<SliceName>& names,
+                       LabelPlacer& labels) {
+  set_text_size(painter, kWordsPt, true);
+  for (const SliceName& name : names) {
+    const Eigen::Vector2d at = scene.in_logical(name.right);
+    const double width = QFontMetricsF(painter.font()).horizontalAdvance(name.text);
+    // Where the bone begins beyond the pane's edge, on it.
+    const QPointF right(std::max(at.x(), kEdgePx + width), at.y());
+    paint_words(painter, right, TextAnchor::right, name.text, labels, name.colour);
+  }
+}
+
 void paint_pane_edge(QPainter& painter, const QSizeF& size, const QColor& colour, bool has_focus) {
   const double width = has_focus ? 3.0 : 1.0;
   QColor shown = colour;

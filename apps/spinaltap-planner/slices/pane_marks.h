@@ -3,10 +3,12 @@
 #include <QColor>
 #include <QString>
 #include <optional>
+#include <vector>
 
 #include "apps/report/label_place.h"
 #include "apps/report/slice_frame.h"
 #include "apps/spinaltap-planner/slices/pane_scene.h"
+#include "apps/spinaltap-planner/slices/slice_image.h"
 
 class QPainter;
 
@@ -20,6 +22,10 @@ void paint_crosshair(QPainter& painter, const PaneScene& scene);
 /// `labels` avoids them afterwards.
 void paint_pane_words(QPainter& painter, const PaneScene& scene, const QString& caption, const QColor& colour,
                       const HuWindow& window, LabelPlacer& labels);
+
+/// Names of levels beside their bone.
+void paint_level_names(QPainter& painter, const PaneScene& scene, const std::vector<SliceName>& names,
+                       LabelPlacer& labels);
 
 /// The pane's edge in its colour, stronger where it has the keys.
 void paint_pane_edge(QPainter& painter, const QSizeF& size, const QColor& colour, bool has_focus);

@@ -61,9 +61,14 @@ SliceView::SliceView(SliceKind kind, PlanDocument& document, ViewState& state, Q
     walls_.clear();
     if (document_.bone()) walls_.update(document_.bone()->surface);
     let_go();
-    fit();
+    // A bone of the CT that is looked at leaves what is looked at.
+    const std::shared_ptr<const CtVolume> ct = document_.opened() ? document_.opened()->volume : nullptr;
+    if (is_fitted_ || ct != fitted_ct_.lock()) fit();
+    fitted_ct_ = ct;
     follow_crosshair();
   });
+  connect(&document, &PlanDocument::levels_changed, this, &SliceView::look_again);
+  connect(&state, &ViewState::levels_changed, this, &SliceView::look_again);
   connect(&document, &PlanDocument::paths_changed, this, &SliceView::look_again);
   connect(&document, &PlanDocument::chosen_changed, this, &SliceView::follow_crosshair);
   connect(&state, &ViewState::crosshair_changed, this, &SliceView::follow_crosshair);
@@ -144,12 +149,14 @@ void SliceView::step(int count) {
   put_crosshair(shown_crosshair() + count * slice_step_mm(document_.opened()->ct.geometry, into) * into);
 }
 
-void SliceView::fit() {
+void SliceView::fit() { fit_to(has_ct() ? document_.opened()->bounds_mm() : Box3()); }
+
+void SliceView::fit_to(const Box3& shown_mm) {
   is_fitted_ = true;
   if (kind_ == SliceKind::down_path) {
     view_ = view_down_path(pane_size());
   } else if (const auto shown = plane()) {
-    view_ = fitted_view(*shown, document_.opened()->bounds_mm(), pane_size());
+    view_ = fitted_view(*shown, shown_mm, pane_size());
   }
   look_again();
 }
@@ -183,12 +190,14 @@ void SliceView::paintEvent(QPaintEvent* /*event*/) {
                           grip_.end ? std::optional(grip_.end->hit()) : hot_,
                           bit_,
                           walls_};
-    const QImage& image = image_.of(document_.opened(), scene.frame, state_.window());
+    const SliceSource source{document_.opened(), state_.shows_levels() ? document_.levels() : nullptr};
+    const QImage& image = image_.of(source, scene.frame, state_.window());
     painter.drawImage(QRectF(QPointF(0.0, 0.0), scene.size()), image);
     painter.setRenderHint(QPainter::Antialiasing);
     paint_crosshair(painter, scene);
     LabelPlacer labels({Eigen::Vector2d::Zero(), Eigen::Vector2d(width(), height())});
     paint_pane_words(painter, scene, caption(), colour, state_.window(), labels);
+    paint_level_names(painter, scene, image_.names(), labels);
     paint_paths(painter, scene, labels);
   }
   painter.setRenderHint(QPainter::Antialiasing, false);

@@ -54,8 +54,10 @@ class SliceView : public QWidget {
 
   /// Away from the viewer (below 0: towards): slices of the CT, or steps of 0.25 mm down the path.
   void step(int count);
-  /// Shows the bone as large as the pane allows.
+  /// Shows the bone, without one the CT, as large as the pane allows.
   void fit();
+  /// Shows a box (patient LPS, mm) so.
+  void fit_to(const Box3& shown_mm);
   /// About a place of the pane.
   void zoom(double factor, const QPointF& place);
 
@@ -112,8 +114,9 @@ class SliceView : public QWidget {
   std::optional<std::pair<DrillBit, Pose>> bit_;
   HoleWalls walls_;
   PaneView view_;
-  bool is_fitted_ = true;  ///< and stays so when the pane's size changes
-  double depth_mm_ = 0.0;  ///< down the path
+  bool is_fitted_ = true;                    ///< and stays so when the pane's size changes
+  std::weak_ptr<const CtVolume> fitted_ct_;  ///< the last that was shown
+  double depth_mm_ = 0.0;                    ///< down the path
   bool is_putting_crosshair_ = false;
   Grip grip_;
   std::optional<PathHit> hot_;

@@ -54,6 +54,10 @@ void FourPanes::show_only(const QString& name) {
   }
 }
 
+void FourPanes::fit_slices_to(const Box3& shown_mm) {
+  for (SliceView* slice : slices_) slice->fit_to(shown_mm);
+}
+
 void FourPanes::set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit) {
   for (SliceView* slice : slices_) slice->set_bit(bit);
   scene_->set_bit(bit);

@@ -28,6 +28,8 @@ class FourPanes : public QWidget {
   QWidget* pane(const QString& name) const;
   /// One pane alone; an empty name: all four.
   void show_only(const QString& name);
+  /// Shows a box (patient LPS, mm) on the slices as large as they allow.
+  void fit_slices_to(const Box3& shown_mm);
   void set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit);
   /// Blocks of the bone's surface that drilling changed.
   void update_surface(std::span<const SurfaceUpdate> updates);

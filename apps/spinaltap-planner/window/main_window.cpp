@@ -4,15 +4,14 @@
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QLabel>
+#include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
-#include <QProgressBar>
 #include <QScrollArea>
 #include <QSettings>
 #include <QStatusBar>
 #include <QTabWidget>
 #include <QTimer>
-#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <utility>
@@ -22,8 +21,9 @@
 #include "apps/spinaltap-planner/navigation/navigation_panel.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/slices/slice_view.h"
-#include "apps/spinaltap-planner/window/elided_label.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
+#include "apps/spinaltap-planner/window/job_bar.h"
+#include "apps/spinaltap-planner/window/levels_panel.h"
 #include "apps/spinaltap-planner/window/path_panel.h"
 #include "apps/spinaltap-planner/window/wheel_needs_focus.h"
 #include "apps/spinaltap-planner/window/words.h"
@@ -66,11 +66,9 @@ MainWindow::MainWindow() {
   connect(&document, &PlanDocument::paths_changed, this, &MainWindow::update_figures);
   connect(&document, &PlanDocument::chosen_changed, this, &MainWindow::update_figures);
   connect(&document.undo_stack(), &QUndoStack::cleanChanged, this, &MainWindow::update_title);
-  connect(&planner_, &Planner::opened, this, [this](const QString& file) {
-    note_recent(file);
-    update_title();
-    update_actions();
-  });
+  connect(&document, &PlanDocument::paths_changed, this, &MainWindow::update_title);
+  connect(&planner_, &Planner::opened, this, &MainWindow::show_opened);
+  connect(&planner_.levels(), &CtLevels::changed, this, &MainWindow::update_actions);
   connect(&planner_, &Planner::said, this, [this](const QString& what) { statusBar()->showMessage(what, 8000); });
   connect(&planner_, &Planner::trouble, this, &MainWindow::tell);
 
@@ -87,7 +85,8 @@ MainWindow::~MainWindow() {
   // What draws goes before what it draws, and nobody listens to threads that end.
   for (QObject* speaker :
        {static_cast<QObject*>(&planner_), static_cast<QObject*>(&planner_.player()),
-        static_cast<QObject*>(&planner_.job()), static_cast<QObject*>(&planner_.document()),
+        static_cast<QObject*>(&planner_.job()), static_cast<QObject*>(&planner_.levels()),
+        static_cast<QObject*>(&planner_.levels().job()), static_cast<QObject*>(&planner_.document()),
         static_cast<QObject*>(&planner_.view()), static_cast<QObject*>(&planner_.document().undo_stack())}) {
     speaker->disconnect(this);
   }
@@ -109,8 +108,13 @@ void MainWindow::make_pages() {
   drill_ = new DrillPanel(planner_.document(), planner_.player());
   navigation_ = new NavigationPanel(planner_.document(), planner_.view(), planner_.player());
 
+  levels_ = new LevelsPanel(planner_.levels(), planner_.document());
+  connect(levels_, &LevelsPanel::wanted, this, &MainWindow::look_at_level);
+  connect(levels_, &LevelsPanel::all_wanted, this, [this] { planner_.bake_all(); });
+
   pages_ = new QTabWidget;
   pages_->setObjectName("pages");
+  pages_->addTab(levels_, tr("&CT"));
   pages_->addTab(scrolled(plan), tr("&Plan"));
   pages_->addTab(down_path_, tr("Down the p&ath"));
   pages_->addTab(scrolled(drill_), tr("D&rill"));
@@ -121,53 +125,31 @@ void MainWindow::make_pages() {
   dock->setTitleBarWidget(new QWidget);  // the tabs say enough
   dock->setWidget(pages_);
   pages_->setMinimumWidth(kPageWidth);
+  show_page("plan");
   addDockWidget(Qt::RightDockWidgetArea, dock);
 }
 
 void MainWindow::make_status_bar() {
   // Permanent parts stay where messages come and go; the message has what they leave.
-  working_ = new ElidedLabel;
-  working_->setObjectName("working");
-  progress_ = new QProgressBar;
-  progress_->setObjectName("progress");
-  progress_->setRange(0, 100);
-  progress_->setFixedWidth(120);
-  cancel_ = new QToolButton;
-  cancel_->setObjectName("cancel");
-  cancel_->setText(tr("Cancel"));
-  cancel_->setFocusPolicy(Qt::StrongFocus);
-  for (QWidget* part :
-       {static_cast<QWidget*>(working_), static_cast<QWidget*>(progress_), static_cast<QWidget*>(cancel_)}) {
-    statusBar()->addPermanentWidget(part);
-    part->hide();
-  }
+  BackgroundJob& job = planner_.job();
+  statusBar()->addPermanentWidget(
+      new JobBar(planner_.levels().job(), "levels", [this] { planner_.levels().cancel(); }));
+  statusBar()->addPermanentWidget(new JobBar(job, "", [this] { planner_.cancel(); }));
   hover_ = new QLabel;
   hover_->setObjectName("hover");
   statusBar()->addPermanentWidget(hover_);
-  BackgroundJob& job = planner_.job();
-  connect(cancel_, &QToolButton::clicked, this, [this] { planner_.job().cancel(); });
-  connect(&job, &BackgroundJob::started, this, [this](const QString& what) {
-    working_->set_text(what);
-    progress_->setValue(0);
-    working_->show();
-    progress_->show();
-    cancel_->show();
-    update_actions();
-  });
-  connect(&job, &BackgroundJob::progressed, this, [this](const QString& stage, double share) {
-    working_->set_text(planner_.job().what() + ": " + stage);
-    progress_->setValue(static_cast<int>(100.0 * share));
-  });
+  connect(&job, &BackgroundJob::started, this, &MainWindow::update_actions);
   connect(&job, &BackgroundJob::finished, this, [this](bool is_done, const QString& why) {
-    working_->hide();
-    progress_->hide();
-    cancel_->hide();
     if (!is_done && why.isEmpty()) statusBar()->showMessage(tr("%1: cancelled").arg(planner_.job().what()), 8000);
-    given_up_.reset();
+    if (!planner_.is_to_open()) given_up_.reset();
     const std::function<void()> after = std::exchange(after_job_, nullptr);
     if (is_done && after) QTimer::singleShot(0, this, after);
     update_actions();
   });
+  shown_ = new QLabel;
+  shown_->setObjectName("shown");
+  shown_->setContentsMargins(0, 0, 8, 0);
+  menuBar()->setCornerWidget(shown_);
   connect(&planner_.view(), &ViewState::hovered_changed, this, &MainWindow::update_hover);
   statusBar()->showMessage(tr("Research and training software, not a medical device"));
 }
@@ -210,9 +192,9 @@ void MainWindow::tell(const QString& what, const QString& why) {
 }
 
 void MainWindow::show_page(const QString& name) {
-  const QStringList names{"plan", "path", "drill", "navigate"};
+  const QStringList names{"ct", "plan", "path", "drill", "navigate"};
   const auto index = static_cast<int>(names.indexOf(name));
-  if (index < 0) fail("expected the page plan, path, drill or navigate, found \"", name.toStdString(), "\"");
+  if (index < 0) fail("expected the page ct, plan, path, drill or navigate, found \"", name.toStdString(), "\"");
   pages_->setCurrentIndex(index);
 }
 
@@ -240,11 +222,69 @@ void MainWindow::show_figures() {
   update_actions();
 }
 
+void MainWindow::show_level(int index) {
+  const auto bone_of = [this, index]() -> std::shared_ptr<const OpenedBone> {
+    const std::vector<CtLevel>& levels = planner_.levels().levels();
+    return index < static_cast<int>(levels.size()) ? levels[static_cast<std::size_t>(index)].bone : nullptr;
+  };
+  const std::shared_ptr<const OpenedBone> bone = bone_of();
+  if (!bone) return planner_.show_level(index);
+  if (bone == planner_.document().bone()) return;
+  // The question takes its time: another CT may have come.
+  if (may_lose_work([this, index] { show_level(index); }) && bone == bone_of()) planner_.show_level(index);
+}
+
+void MainWindow::look_at_level(int index) {
+  const CtLevel& level = planner_.levels().levels()[static_cast<std::size_t>(index)];
+  planner_.put_crosshair(level.report.body_centre_mm);
+  panes_->fit_slices_to(level.box_mm());
+  show_level(index);
+}
+
+void MainWindow::show_opened(const QString& file) {
+  note_recent(file);
+  update_title();
+  update_actions();
+  const bool is_on_levels = pages_->currentWidget() == levels_;
+  if (!planner_.document().bone()) {
+    show_page("ct");
+  } else if (is_on_levels && !planner_.levels().is_baking()) {
+    show_page("plan");
+  }
+}
+
 void MainWindow::update_title() {
+  const PlanDocument& document = planner_.document();
   const std::filesystem::path& file = planner_.plan_file();
   const QString plan = file.empty() ? tr("New plan") : text_of(file.filename().string());
   setWindowTitle(plan + "[*] - SpinalTap planner");
   setWindowModified(planner_.has_unsaved_changes());
+  QStringList shown;
+  if (document.opened()) {
+    std::filesystem::path opened = document.opened()->file;
+    if (!opened.has_filename()) opened = opened.parent_path();
+    constexpr int kMaxNamePx = 240;
+    const QString name =
+        shown_->fontMetrics().elidedText(text_of(opened.filename().string()), Qt::ElideMiddle, kMaxNamePx);
+    shown += document.opened()->is_whole_ct ? tr("CT %1").arg(name) : name;
+    const int index = planner_.levels().of(document.bone().get());
+    if (!document.bone()) {
+      shown += tr("no vertebra yet");
+    } else if (index >= 0) {
+      shown += planner_.levels().levels()[static_cast<std::size_t>(index)].name();
+    } else {
+      const Level level = document.bone()->bone->level();
+      shown += level == Level::kNone ? tr("level not known") : text_of(level_name(level));
+    }
+  }
+  if (!document.paths().empty() || !file.empty()) {
+    const QString short_plan = shown_->fontMetrics().elidedText(plan, Qt::ElideMiddle, 180);
+    shown += tr("%1, %2").arg(file.empty() ? tr("new plan") : short_plan,
+                              planner_.has_unsaved_changes() ? tr("NOT SAVED") : tr("saved"));
+  }
+  shown_->hide();  // the menu's line measures it when it is shown
+  shown_->setText(shown.join("   |   "));
+  shown_->show();
 }
 
 void MainWindow::update_hover() {

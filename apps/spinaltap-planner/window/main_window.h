@@ -15,9 +15,7 @@
 class QAction;
 class QLabel;
 class QMenu;
-class QProgressBar;
 class QTabWidget;
-class QToolButton;
 
 namespace spinaltap {
 
@@ -25,6 +23,7 @@ class DrillPanel;
 class ElidedLabel;
 class FiguresPanel;
 class FourPanes;
+class LevelsPanel;
 class NavigationPanel;
 class PathPanel;
 class SliceView;
@@ -52,7 +51,7 @@ class MainWindow : public QMainWindow {
   /// A picture of the window, or of one of its panes: "axial", "coronal", "sagittal", "3d", "path". Throws Error on
   /// other names, and where the file cannot be written.
   void save_picture(const std::filesystem::path& file, const QString& pane = {});
-  /// Shows a page: "plan", "path", "drill", "navigate".
+  /// Shows a page: "ct", "plan", "path", "drill", "navigate".
   void show_page(const QString& name);
   /// Everything that was asked for has been drawn.
   void settle();
@@ -118,6 +117,12 @@ class MainWindow : public QMainWindow {
   void update_figures();
   void show_figures();
   void update_actions();
+  /// Asks first where it is baked and something would be lost.
+  void show_level(int index);
+  /// The same, with the slices on it.
+  void look_at_level(int index);
+  void show_opened(const QString& file);
+  /// Which CT, level and plan the window shows, and whether the plan is saved: in its title and in the menu's line.
   void update_title();
   void update_hover();
   void note_recent(const QString& file);
@@ -132,10 +137,9 @@ class MainWindow : public QMainWindow {
   DrillPanel* drill_ = nullptr;
   NavigationPanel* navigation_ = nullptr;
   QMenu* recent_ = nullptr;
+  LevelsPanel* levels_ = nullptr;
+  QLabel* shown_ = nullptr;
   QLabel* hover_ = nullptr;
-  ElidedLabel* working_ = nullptr;
-  QProgressBar* progress_ = nullptr;
-  QToolButton* cancel_ = nullptr;
   std::map<QString, QAction*> actions_;
   std::optional<Work> given_up_;        ///< what the person said may go when the bone that is opened is there
   std::function<void()> after_job_;     ///< the next that ends well

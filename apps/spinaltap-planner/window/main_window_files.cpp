@@ -39,13 +39,8 @@ void MainWindow::make_file_menu() {
     keep_folder(name);
     open(name.toStdString());
   });
-  add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence("Ctrl+B"), "bakeHere", [this] {
-    if (!may_lose_work([this] { actions_["bakeHere"]->trigger(); })) return;
-    attempt(tr("Cannot bake here"), [this] {
-      planner_.bake_here();
-      given_up_ = current_work();
-    });
-  });
+  add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence("Ctrl+B"), "bakeHere",
+             [this] { attempt(tr("Cannot bake here"), [this] { show_level(planner_.level_here()); }); });
   recent_ = file->addMenu(tr("&Recent"));
   connect(file, &QMenu::aboutToShow, this, &MainWindow::fill_recent);
   file->addSeparator();

@@ -209,9 +209,11 @@ bool MainWindow::may_replace(const QString& what, const QString& where) {
 
 void MainWindow::closeEvent(QCloseEvent* event) {
   event->ignore();
-  if (planner_.job().is_running()) {
-    QMessageBox box(QMessageBox::Question, tr("SpinalTap planner"),
-                    tr("%1 is still running.").arg(planner_.job().what()), QMessageBox::NoButton, this);
+  const bool is_baking = planner_.levels().is_baking();
+  if (planner_.job().is_running() || is_baking) {
+    const BackgroundJob& running = planner_.job().is_running() ? planner_.job() : planner_.levels().job();
+    QMessageBox box(QMessageBox::Question, tr("SpinalTap planner"), tr("%1 is still running.").arg(running.what()),
+                    QMessageBox::NoButton, this);
     box.setObjectName("running");
     box.setInformativeText(
         tr("No file is left half written, and a bake goes on next time from the stages that are finished."));
@@ -219,7 +221,8 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     box.addButton(tr("Keep the window open"), QMessageBox::RejectRole);
     box.exec();
     if (box.clickedButton() != stop) return;
-    planner_.job().cancel();
+    planner_.cancel();
+    planner_.levels().cancel();
     if (planner_.player().has_unsaved()) planner_.job().wait();  // saving the record takes its place
   }
   if (!may_lose_work([this] { close(); })) return;

@@ -149,6 +149,12 @@ void MainWindow::make_view_menu() {
   }
   add_toggle(view, tr("Bits and scre&ws in 3D"), QKeySequence("Ctrl+H"), "tools", &ViewState::shows_tools,
              &ViewState::show_tools);
+  QAction* levels = view->addAction(tr("&Levels on the slices"));
+  levels->setShortcut(QKeySequence("Ctrl+L"));
+  levels->setObjectName("showLevels");
+  levels->setCheckable(true);
+  levels->setChecked(planner_.view().shows_levels());
+  connect(levels, &QAction::toggled, this, [this](bool on) { planner_.view().show_levels(on); });
   auto* opacity = new QSlider(Qt::Horizontal);
   opacity->setObjectName("opacity");
   opacity->setRange(0, 100);
@@ -205,9 +211,8 @@ void MainWindow::update_actions() {
   const PlanDocument& document = planner_.document();
   const bool has_bone = document.bone() != nullptr, has_path = document.chosen() >= 0;
   const bool is_free = !planner_.job().is_running();
-  for (const char* name : {"openFolder", "open"}) actions_[name]->setEnabled(is_free);
   for (const char* name : {"saveBone", "add"}) actions_[name]->setEnabled(has_bone);
-  actions_["bakeHere"]->setEnabled(document.opened() && document.opened()->is_whole_ct && is_free);
+  actions_["bakeHere"]->setEnabled(document.opened() && document.opened()->is_whole_ct);
   actions_["suggest"]->setEnabled(has_bone && is_free);
   for (const char* name : {"save", "saveAs", "exportMarkups", "report", "remove", "next", "hole"}) {
     actions_[name]->setEnabled(has_bone && has_path);

@@ -75,7 +75,8 @@ std::string PlanModel::check(Effect effect) {
   if (trouble.empty()) trouble = follow(effect, seen_now());
   seen_.clear();
   was_clean_ = !window_.planner().has_unsaved_changes();
-  if (was_clean_ || !window_.planner().job().is_running()) is_given_up_ = false;
+  const Planner& planner = window_.planner();
+  if (was_clean_ || !(planner.job().is_running() || planner.is_to_open())) is_given_up_ = false;
   return trouble.empty() ? check_window() : trouble;
 }
 

@@ -109,6 +109,8 @@ class RandomTester {
     scanned.slices = 40;
     fs::create_directory(folder_.path() / "ct");
     write_dicom(scan(Vertebra(), scanned), folder_.path() / "ct");
+    fs::copy(spine_folder(), folder_.path() / "spine");
+    fs::create_directory(folder_.path() / "none");  // of DICOM files
   }
 
   void open_window() {
@@ -197,7 +199,7 @@ class RandomTester {
       double weight;
       void (RandomTester::*run)();
     };
-    static const std::array<Action, 17> actions{{{"undo", 8, &RandomTester::undo},
+    static const std::array<Action, 18> actions{{{"undo", 8, &RandomTester::undo},
                                                  {"redo", 6, &RandomTester::redo},
                                                  {"nudge", 10, &RandomTester::nudge},
                                                  {"drag-end", 10, &RandomTester::drag_end},
@@ -213,6 +215,7 @@ class RandomTester {
                                                  {"save", 4, &RandomTester::save},
                                                  {"open", 3, &RandomTester::open},
                                                  {"drill", 5, &RandomTester::drill},
+                                                 {"level", 4, &RandomTester::level},
                                                  {"cancel", 3, &RandomTester::cancel}}};
     double total = 0.0;
     for (const Action& action : actions) total += action.weight;
@@ -412,14 +415,31 @@ class RandomTester {
   void open() {
     effect_ = Effect::replaces;
     focus_a_pane();
-    const char* name = one_of(std::array<const char*, 7>{"bone.vdb", "plan.json", "other.mrk.json", "broken.json",
-                                                         "broken.vdb", "none.vdb", "ct"});
+    const char* name = one_of(std::array<const char*, 9>{"bone.vdb", "plan.json", "other.mrk.json", "broken.json",
+                                                         "broken.vdb", "none.vdb", "ct", "spine", "none"});
     note(name);
     next_file_ = text_of((folder_.path() / name).string());
-    input_.key(std::strcmp(name, "ct") == 0 ? "ctrl+shift+o" : "ctrl+o");
+    input_.key(fs::is_directory(folder_.path() / name) ? "ctrl+shift+o" : "ctrl+o");
     settle();
     next_file_.clear();
-    if (chance(0.5)) wait_until([&] { return !planner().job().is_running(); }, 120000);
+    if (chance(0.3)) wait_until([&] { return !planner().is_working(); }, 120000);
+  }
+  /// On the page of the CT: a vertebra, all of them, or the one at the crosshair.
+  void level() {
+    effect_ = Effect::replaces;
+    window_->show_page("ct");
+    let_work(10);
+    auto& list = child<QTableWidget>("levels");
+    if (chance(0.2)) return input_.key("ctrl+b");
+    if (chance(0.2)) return input_.key("ctrl+l");
+    for (const char* name : {"bakeAll", "findLevels"}) {
+      if (auto& button = child<QPushButton>(name); button.isVisible() && chance(0.3)) return input_.click(button);
+    }
+    if (list.rowCount() == 0) return;
+    const QRect row = list.visualItemRect(list.item(below(list.rowCount()), 0));
+    if (list.viewport()->rect().contains(row.center())) input_.click(*list.viewport(), row.center());
+    settle();
+    if (chance(0.3)) wait_until([&] { return !planner().is_working(); }, 120000);
   }
   void drill() {
     focus_a_pane();
@@ -442,7 +462,7 @@ class RandomTester {
     }
   }
   void cancel() {
-    auto& button = child<QToolButton>("cancel");
+    auto& button = child<QToolButton>(chance(0.5) ? "cancel" : "levelsCancel");
     if (button.isVisible()) input_.click(button);
   }
   void resize() { window_->resize(1024 + below(377), 700 + below(201)); }
@@ -451,7 +471,7 @@ class RandomTester {
     if (window_->isFullScreen()) window_->setWindowState(Qt::WindowNoState);
     window_->close();
     settle();
-    wait_until([&] { return !planner().job().is_running(); }, 60000);
+    wait_until([&] { return !planner().is_working(); }, 120000);
     settle();
     if (window_->isVisible()) return;
     if (const std::string wrong = model_->check_closed(); !wrong.empty()) trouble(wrong);
@@ -463,9 +483,10 @@ class RandomTester {
     open_window();
   }
   void stop_all() {
-    planner().job().cancel();
+    planner().cancel();
+    planner().levels().cancel();
     planner().player().stop();
-    wait_until([&] { return !planner().job().is_running(); }, 60000);
+    wait_until([&] { return !planner().is_working(); }, 60000);
     model_.reset();
     window_.reset();
   }
