@@ -9,7 +9,7 @@
 
 namespace spinaltap {
 
-bool LinkHearing::take(const LinkInput& input) {
+bool LinkReceiver::take(const LinkInput& input) {
   switch (input.kind) {
     case LinkInput::Kind::command:
       if (input.command == LinkCommand::end) is_ended = true;
@@ -42,7 +42,7 @@ LinkOutput output_of(const Session& session, const Cycle& cycle) {
   return output;
 }
 
-void LinkTeller::tell_stop(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
+void LinkSender::tell_stop(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
   if (!output.is_stopped || was_stopped_) return;
   was_stopped_ = true;
   LinkOutput stop = output;
@@ -56,7 +56,7 @@ void LinkTeller::tell_stop(const Session& session, const LinkOutput& output, Lin
   server.give(stop);
 }
 
-void LinkTeller::tell_events(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
+void LinkSender::tell_events(const Session& session, const LinkOutput& output, LinkServer& server) noexcept {
   const std::span<const SessionEvent> events = session.events();
   for (; events_told_ < events.size(); ++events_told_) {
     LinkOutput told = output;

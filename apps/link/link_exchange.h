@@ -12,7 +12,7 @@ namespace spinaltap {
 // What a session and a server have to say to each other, whoever runs the session's cycles: run_link(), or a window.
 
 /// What came, taken together: where the tool is, and what commands ask for.
-struct LinkHearing {
+struct LinkReceiver {
   Tracking tracking;
   bool spindle_on = true;
   bool is_ended = false;
@@ -25,7 +25,7 @@ struct LinkHearing {
 LinkOutput output_of(const Session& session, const Cycle& cycle);
 
 /// Tells a server what has happened in a session, each thing once. Allocates nothing.
-class LinkTeller {
+class LinkSender {
  public:
   /// Where a rule has asked to stop, with the rule's event; before all else that the cycle says.
   void tell_stop(const Session& session, const LinkOutput& output, LinkServer& server) noexcept;

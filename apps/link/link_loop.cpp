@@ -47,8 +47,8 @@ class LinkLoop {
   LinkServer& server_;
   const LinkLoopOptions& options_;
   const CycleObserver& observe_;
-  LinkHearing hearing_;
-  LinkTeller teller_;
+  LinkReceiver hearing_;
+  LinkSender teller_;
   bool has_side_;
 
   bool has_new_tool_ = false;

@@ -105,7 +105,7 @@ void append_field(std::string_view text, std::size_t size, std::string& bytes) {
 
 }  // namespace
 
-std::string_view name_of(LinkRefusal refusal) {
+std::string_view name_of(LinkRejection refusal) {
   constexpr std::array<std::string_view, kLinkRefusals> kNames{"header", "size",    "checksum",      "content",
                                                                "type",   "device",  "not in charge", "command",
                                                                "half",   "hanging", "too many"};
@@ -139,7 +139,7 @@ bool LinkReader::begin(const RefusalSink& refused) {
       name_in(std::string_view(buffer_).substr(2 + IGTL_HEADER_TYPE_SIZE, IGTL_HEADER_NAME_SIZE));
   const auto size = number_at<std::uint64_t>(buffer_, 42);
   if (version < 1 || version > 3 || !type || type->empty() || !device || size > kMaxPassedOver) {
-    refused(LinkRefusal::header);
+    refused(LinkRejection::header);
     return false;
   }
   const bool wants = is_wanted(*type);
@@ -148,7 +148,7 @@ bool LinkReader::begin(const RefusalSink& refused) {
     body_ = static_cast<std::size_t>(size);
     return true;
   }
-  refused(wants ? LinkRefusal::size : LinkRefusal::type);
+  refused(wants ? LinkRejection::size : LinkRejection::type);
   skip_ = size;
   buffer_.clear();
   return true;
@@ -173,7 +173,7 @@ void LinkReader::end(const Sink& sink, const RefusalSink& refused) {
   if (is_whole) {
     sink(std::move(message));
   } else {
-    refused(is_right ? LinkRefusal::content : LinkRefusal::checksum);
+    refused(is_right ? LinkRejection::content : LinkRejection::checksum);
   }
 }
 

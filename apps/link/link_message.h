@@ -31,7 +31,7 @@ struct LinkMessage {
 };
 
 /// Why something that came was not taken. Each is counted.
-enum class LinkRefusal : std::uint8_t {
+enum class LinkRejection : std::uint8_t {
   header,         ///< no header of OpenIGTLink: nothing that follows can be found, the connection ends
   size,           ///< a body larger than its type has
   checksum,       ///< CRC-64 of the body
@@ -46,7 +46,7 @@ enum class LinkRefusal : std::uint8_t {
 };
 inline constexpr std::size_t kLinkRefusals = 11;
 /// "header", "size", "checksum", ...
-std::string_view name_of(LinkRefusal refusal);
+std::string_view name_of(LinkRejection refusal);
 using LinkRefusals = std::array<std::uint64_t, kLinkRefusals>;
 
 /// Takes a stream of bytes apart into messages, whatever pieces it comes in. No size that a header claims is believed
@@ -54,7 +54,7 @@ using LinkRefusals = std::array<std::uint64_t, kLinkRefusals>;
 class LinkReader {
  public:
   using Sink = std::function<void(LinkMessage&&)>;
-  using RefusalSink = std::function<void(LinkRefusal)>;
+  using RefusalSink = std::function<void(LinkRejection)>;
 
   /// False: the stream is lost, and so is all that follows.
   bool take(std::string_view bytes, const Sink& sink, const RefusalSink& refused);

@@ -130,7 +130,7 @@ struct LinkServer::State {
   bool is_in_charge(const LinkPeer& peer, LinkDevice device);
   std::optional<LinkDevice> device_called(const std::string& name) const;
   void give_inputs();
-  void refuse(LinkRefusal refusal) { ++report.refused[static_cast<std::size_t>(refusal)]; }
+  void refuse(LinkRejection refusal) { ++report.refused[static_cast<std::size_t>(refusal)]; }
   void send_output(const LinkOutput& output);
   void send_all(std::string_view type, const std::string& device, const std::string& content, LinkPeer::Urgency urgency,
                 std::uint64_t time_stamp, const std::map<std::string, std::string>& metadata = {});
@@ -149,7 +149,7 @@ struct LinkServer::State {
   FileDescriptor listener;
   std::uint16_t port = 0;
   std::optional<SocketAddress> server;
-  LinkBell network_bell, loop_bell;
+  WakeEvent network_bell, loop_bell;
   LinkRing<LinkInput> inputs{kInputRoom};
   LinkRing<LinkOutput> outputs{kOutputRoom};
   LinkRing<LinkOutput> stops{64};
@@ -250,7 +250,7 @@ void LinkServer::State::accept_peers() {
     FileDescriptor socket(::accept4(listener.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (!socket.is_open()) return;
     if (peers.size() >= options.max_peers) {
-      refuse(LinkRefusal::too_many);
+      refuse(LinkRejection::too_many);
       continue;
     }
     ++report.peers;
@@ -285,15 +285,15 @@ void LinkServer::State::read_from(LinkPeer& peer) {
   bool is_over = false;
   const std::string_view bytes = peer.receive(room, is_over);
   report.bytes_in += bytes.size();
-  const auto refused = [&](LinkRefusal refusal) {
+  const auto refused = [&](LinkRejection refusal) {
     refuse(refusal);
-    if (refusal != LinkRefusal::type) ++peer.bad_in_a_row;
+    if (refusal != LinkRejection::type) ++peer.bad_in_a_row;
   };
   const bool is_sound = peer.reader().take(
       bytes, [&](LinkMessage&& message) { take_message(peer, std::move(message)); }, refused);
   constexpr int kMaxBad = 100;
   if (is_over || !is_sound || peer.bad_in_a_row > kMaxBad) {
-    if (is_over && peer.reader().is_within()) refuse(LinkRefusal::half);
+    if (is_over && peer.reader().is_within()) refuse(LinkRejection::half);
     // Whoever sends nonsense connects again at once: each time costs a greeting, with a whole bone.
     constexpr std::int64_t kCalmNs = 50 * kMs;
     if (!is_sound) next_accept_ns = wall_ns() + kCalmNs;
@@ -315,7 +315,7 @@ void LinkServer::State::take_message(LinkPeer& peer, LinkMessage&& message) {
     const std::optional<LinkDevice> device = device_called(message.device);
     if (!code) {
       ++peer.bad_in_a_row;
-      refuse(LinkRefusal::content);
+      refuse(LinkRejection::content);
     } else if (device && *code != static_cast<int>(LinkStatusCode::ok) && is_in_charge(peer, *device)) {
       LinkInput input{.kind = LinkInput::Kind::invalid, .device = *device};
       input.arrival_ns = wall_ns();
@@ -354,11 +354,11 @@ bool LinkServer::State::is_in_charge(const LinkPeer& peer, LinkDevice device) {
 void LinkServer::State::take_transform(LinkPeer& peer, const LinkMessage& message) {
   const std::optional<LinkDevice> device = device_called(message.device);
   if (!device) {
-    refuse(LinkRefusal::device);
+    refuse(LinkRejection::device);
     return;
   }
   if (!is_in_charge(peer, *device)) {
-    refuse(LinkRefusal::not_in_charge);
+    refuse(LinkRejection::not_in_charge);
     return;
   }
   LinkInput input{.device = *device, .is_valid = is_said_valid(message)};
@@ -371,7 +371,7 @@ void LinkServer::State::take_transform(LinkPeer& peer, const LinkMessage& messag
     // Trackers send what they like with a tool that they do not see.
   } else {
     ++peer.bad_in_a_row;
-    refuse(LinkRefusal::content);
+    refuse(LinkRejection::content);
     return;
   }
   ++report.transforms;
@@ -382,13 +382,13 @@ void LinkServer::State::take_transform(LinkPeer& peer, const LinkMessage& messag
 
 void LinkServer::State::take_command(LinkPeer& peer, const LinkMessage& message) {
   if (message.device != options.names.command) {
-    refuse(LinkRefusal::device);
+    refuse(LinkRejection::device);
     return;
   }
   const std::optional<std::string> text = string_of(message.content);
   if (!text) {
     ++peer.bad_in_a_row;
-    refuse(LinkRefusal::content);
+    refuse(LinkRejection::content);
     return;
   }
   const std::string command = upper_case(trimmed(*text));
@@ -406,7 +406,7 @@ void LinkServer::State::take_command(LinkPeer& peer, const LinkMessage& message)
   } else {
     is_known = false;
     ++peer.bad_in_a_row;
-    refuse(LinkRefusal::command);
+    refuse(LinkRejection::command);
   }
   if (input.command != LinkCommand::none) commands.push_back(input);
   send_to(peer, "STRING", "Answer",
@@ -547,10 +547,10 @@ void LinkServer::State::look_after_peers() {
   for (LinkPeer& peer : peers) {
     const std::int64_t half_ns = peer.half_since_ns(), blocked_ns = peer.blocked_since_ns();
     if (half_ns != 0 && now_ns - half_ns > patience_ns) {
-      refuse(LinkRefusal::half);
+      refuse(LinkRejection::half);
       drop(peer);
     } else if ((blocked_ns != 0 && now_ns - blocked_ns > patience_ns) || peer.waiting_bytes() > kMaxWaiting) {
-      refuse(LinkRefusal::hanging);
+      refuse(LinkRejection::hanging);
       drop(peer);
     }
   }

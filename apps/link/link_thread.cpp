@@ -29,16 +29,16 @@ void FileDescriptor::close() noexcept {
   number_ = -1;
 }
 
-LinkBell::LinkBell() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+WakeEvent::WakeEvent() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (!descriptor_.is_open()) fail("link: expected a free file descriptor, found: ", std::strerror(errno));
 }
 
-void LinkBell::ring() const noexcept {
+void WakeEvent::ring() const noexcept {
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(descriptor_.number(), &one, sizeof one);  // full: it rings already
 }
 
-void LinkBell::wait(std::int64_t until_ns) const noexcept {
+void WakeEvent::wait(std::int64_t until_ns) const noexcept {
   const std::int64_t left_ns = std::max<std::int64_t>(0, until_ns - wall_ns());
   constexpr std::int64_t kSecond = 1'000'000'000;
   const std::timespec left{.tv_sec = left_ns / kSecond, .tv_nsec = left_ns % kSecond};
@@ -46,7 +46,7 @@ void LinkBell::wait(std::int64_t until_ns) const noexcept {
   if (::ppoll(&poll, 1, &left, nullptr) > 0) silence();
 }
 
-void LinkBell::silence() const noexcept {
+void WakeEvent::silence() const noexcept {
   std::uint64_t count = 0;
   [[maybe_unused]] const auto got = ::read(descriptor_.number(), &count, sizeof count);
 }

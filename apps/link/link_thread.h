@@ -25,10 +25,10 @@ class FileDescriptor {
 };
 
 /// Wakes a thread that waits, without waiting itself.
-class LinkBell {
+class WakeEvent {
  public:
   /// Throws Error where the host has no descriptors left.
-  LinkBell();
+  WakeEvent();
 
   void ring() const noexcept;
   /// Until it has been rung, or until the host's monotonic clock comes to `until_ns`.

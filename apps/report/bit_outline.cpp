@@ -30,7 +30,7 @@ std::vector<double> stations_mm(const ProfilePiece& piece) {
 using Rims = std::vector<std::vector<Vec3>>;
 
 Rims rims_of_plate(const SliceFrame& frame, const DrillBit& plate, const Pose& pose) {
-  const std::optional<Pose> sound = sound_pose(pose, plate);
+  const std::optional<Pose> sound = valid_pose(pose, plate);
   if (!sound) fail("a plate's outline: expected a sound pose");
   const PlateBox box(plate);
   const Mat3 to_patient = plate_rows(*sound).transpose();

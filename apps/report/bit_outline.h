@@ -20,7 +20,7 @@ struct ToolPart {
 /// The convex parts of a bit: of a drill and of a plate all is one.
 std::vector<ToolPart> tool_parts(const DrillBit& bit);
 
-/// The outline of a part at `pose` (patient LPS, mm; of a plate a sound one, see sound_pose()) projected at right
+/// The outline of a part at `pose` (patient LPS, mm; of a plate a sound one, see valid_pose()) projected at right
 /// angles onto the picture's plane.
 PixelPolygon part_projection(const SliceFrame& frame, const ToolPart& part, const Pose& pose);
 

@@ -129,7 +129,7 @@ void OperatorChoice::check(bool is_real_time) const {
   if (step_mm && is_real_time) fail("expected no --step with --real-time: --feed and --rate say how far a cycle goes");
 }
 
-ExpectedWay OperatorChoice::expected_way() const {
+MotionClass OperatorChoice::motion_class() const {
   return {.max_tilt_deg = tilt_deg.value_or(name == "tilted" ? kTiltDeg : 0.0),
           .keeps_to_path = !is_milling(),
           .trembles = is_pose_file(name) || has_device() || tremor_or_default_mm() > 0.0,
@@ -234,7 +234,7 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
                                   const ScalarField* bone) const {
   check(is_real_time);
   OperatorPlan plan;
-  plan.way = expected_way();
+  plan.way = motion_class();
   plan.words["kind"] = has_device() ? "device" : name.empty() ? "on-path" : is_milling() ? "milling" : name;
   if (has_device()) {
     add_device(path, lead_in_mm, spindle, plan);

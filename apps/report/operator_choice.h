@@ -23,7 +23,7 @@ struct OperatorPlan {
   std::unique_ptr<Operator> tool_operator;
   double rate_hz = 1000.0;        ///< poses a second
   double cycle_rate_hz = 1000.0;  ///< collision cycles a second, in real time
-  ExpectedWay way;
+  MotionClass way;
   /// What a record says of the operator, by option: it holds the poses themselves.
   std::map<std::string, std::string> words;
 };
@@ -56,7 +56,7 @@ struct OperatorChoice {
   /// A milling takes away the walls that clearances are to.
   bool is_milling() const { return milling || name.ends_with(".json"); }
   /// As far as it is known before files are read.
-  ExpectedWay expected_way() const;
+  MotionClass motion_class() const;
   /// The feeds that were asked for, mm/s: of --feed, by depth, or of a milling's file; none where a default or the bone
   /// decides.
   std::vector<double> asked_feeds_mm_s() const;

@@ -45,13 +45,13 @@ void add_drill(CLI::App& program, Command& command) {
     PlanCheckOptions check;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app =
-      add_command(program, command, "drill",
-                  "Drill a planned path; writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv",
-                  "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
-                  "          spinaltap drill bone.vdb plan.json --operator push --push 40 --stop-on-breach\n"
-                  "          spinaltap drill bone.vdb plan.json --operator tremor --real-time --record run.h5\n"
-                  "          spinaltap drill spine.vdb --level L4 --also spine.vdb:L5 plan.json --operator mill.json");
+  CLI::App* app = add_command(
+      program, command, "drill",
+      "Drill a planned path; writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv",
+      "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
+      "          spinaltap drill bone.vdb plan.json --operator push --push 40 --stop-on-breach\n"
+      "          spinaltap drill bone.vdb plan.json --operator tremor --real-time --record run.h5\n"
+      "          spinaltap drill spine.vdb --level L4 --additional-bone spine.vdb:L5 plan.json --operator mill.json");
   app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
   add_level(*app, options->level);
   add_also(*app, options->also);

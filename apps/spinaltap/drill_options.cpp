@@ -207,7 +207,7 @@ void DrillOptions::check(const DrillBit& tool) const {
   if (has_heat && tool_operator.is_milling())
     fail("expected no --heat with a milling: only a hole along the path has it");
   if (has_heat && tool.is_plate()) fail("expected no --heat with a plate: it drills no hole");
-  if (has_heat && bones > 1) fail("expected no --heat with --also: heat is solved in one bone");
+  if (has_heat && bones > 1) fail("expected no --heat with --additional-bone: heat is solved in one bone");
   const ComplianceOptions& compliance = setup.options.compliance;
   if (!compliance.is_on && (compliance.free_length_mm > 0.0 || compliance.stall_n_mm > 0.0)) {
     fail("expected --compliant with --free-length and --stall-torque");
@@ -231,11 +231,11 @@ void DrillOptions::check(const DrillBit& tool) const {
   }
   if (bones > 1) {
     session.further_bone_hashes.resize(bones - 1);
-    check_for_voxels("--also: only voxels can fill several bones");
+    check_for_voxels("--additional-bone: only voxels can fill several bones");
   }
   if (tool.is_plate()) check_for_voxels("a plate: only voxels can be cut by one");
   if (tool_operator.has_device()) check_for_voxels("--device: a hand leaves the cylinder that points fill");
-  const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
+  const bool drills_voxels = chosen_engine(session, tool_operator.motion_class()) == EngineKind::voxel;
   if (writes_voxels && !drills_voxels) {
     fail("expected voxels with --voxels: a milling, a device, a plate, a --region, several bones, or --engine voxel");
   }

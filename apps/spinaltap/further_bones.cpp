@@ -9,7 +9,7 @@ namespace spinaltap {
 
 CLI::Option* add_also(CLI::App& app, std::vector<std::string>& also) {
   return app
-      .add_option("--also", also,
+      .add_option("--additional-bone", also,
                   "A further bone of the same patient that is drilled wherever the tool meets it, with the level where "
                   "the file holds several; may come again. Voxels only")
       ->allow_extra_args(false)
@@ -22,7 +22,7 @@ std::vector<Bone> load_bones(const std::filesystem::path& bone, Level level, std
     const std::size_t colon = text.rfind(':');
     const bool has_level = colon != std::string::npos && !std::filesystem::exists(text);
     const std::optional<Level> its_level = has_level ? level_from_name(text.substr(colon + 1)) : Level::kNone;
-    if (!its_level) fail("expected --also FILE or FILE:LEVEL, such as spine.vdb:L5; found \"", text, "\"");
+    if (!its_level) fail("expected --additional-bone FILE or FILE:LEVEL, such as spine.vdb:L5; found \"", text, "\"");
     bones.push_back(Bone::load(text.substr(0, has_level ? colon : std::string::npos), *its_level));
   }
   return bones;

@@ -14,9 +14,9 @@
 
 namespace spinaltap {
 
-/// Adds --also: further bones of the same patient, each FILE or FILE:LEVEL. `also` must outlive the app.
+/// Adds --additional-bone: further bones of the same patient, each FILE or FILE:LEVEL. `also` must outlive the app.
 CLI::Option* add_also(CLI::App& app, std::vector<std::string>& also);
-/// The bone, then those of --also, in order. Throws Error as Bone::load() does.
+/// The bone, then those of --additional-bone, in order. Throws Error as Bone::load() does.
 std::vector<Bone> load_bones(const std::filesystem::path& bone, Level level, std::span<const std::string> also);
 /// For each bone but the first a name for its files: its level, or which one it is where it has none of its own.
 std::vector<std::string> names_of_further(std::span<const Bone> bones);

@@ -97,7 +97,8 @@ void add_link_options(CLI::App& app, LinkCommandOptions& options) {
       ->expected(3)
       ->capture_default_str()
       ->type_name("X,Y,Z");
-  app.add_option("--stale", tracking.stale_s, "A pose older than this does not count; what lies between is not cut, s")
+  app.add_option("--max-pose-age", tracking.stale_s,
+                 "A pose older than this does not count; what lies between is not cut, s")
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--rate", options.linked.loop.rate_hz, "Poses a second that are expected, Hz; at most twice as many")

@@ -46,7 +46,7 @@ void print_linked(const LinkedSession& linked) {
   print_count("not sent to slow peers", network.dropped);
   for (std::size_t n = 0; n < kLinkRefusals; ++n) {
     if (network.refused[n] == 0) continue;
-    print_count("refused, " + std::string(name_of(static_cast<LinkRefusal>(n))), network.refused[n]);
+    print_count("refused, " + std::string(name_of(static_cast<LinkRejection>(n))), network.refused[n]);
   }
   if (!loop.has_priority) print_figure("warning", "real-time priority not allowed for this user");
   print_figure("max depth", linked.max_depth_mm, "mm", 2);
@@ -71,7 +71,7 @@ Json linked_json(const LinkedSession& linked) {
   const LinkReport& network = linked.network;
   Json refused = Json::object();
   for (std::size_t n = 0; n < kLinkRefusals; ++n) {
-    refused[std::string(name_of(static_cast<LinkRefusal>(n)))] = network.refused[n];
+    refused[std::string(name_of(static_cast<LinkRejection>(n)))] = network.refused[n];
   }
   Json events = Json::array();
   for (const SessionEvent& event : linked.events) {

@@ -136,7 +136,7 @@ std::optional<DrillPath> PathOptions::given_path(const std::string& name) const 
   for (const std::string& place : via) path.via_mm.push_back(place_of(place));
   const Vec3 direction = (path.target_mm - path.entry_mm).normalized();
   const bool is_plate = path.bit.is_plate() && direction.allFinite();
-  if (is_plate && !sound_pose({Vec3::Zero(), direction}, path.bit)) {
+  if (is_plate && !valid_pose({Vec3::Zero(), direction}, path.bit)) {
     fail(
         "expected a plate whose width lies across its path: choose another --width-along, further than 6 degrees from ",
         "the path's direction ", direction.transpose());

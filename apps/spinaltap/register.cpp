@@ -38,10 +38,11 @@ Registration register_marks(const RegisterCommandOptions& options) {
 Registration registration_of(const RegisterCommandOptions& options, const std::optional<Bone>& bone,
                              std::vector<std::string>& notes, const Progress& progress) {
   if (options.touched.empty()) {
-    if (options.fiducials.empty()) fail("register: expected --fiducials with --patient, or --touched, found neither");
+    if (options.fiducials.empty())
+      fail("register: expected --fiducials with --patient, or --surface-points, found neither");
     return register_marks(options);
   }
-  if (!bone) fail("register: expected a bone for --touched, found none");
+  if (!bone) fail("register: expected a bone for --surface-points, found none");
   TouchedOptions surface = options.surface;
   surface.max_slide_mm = options.max_slide_mm;
   if (!options.start.empty()) {
@@ -153,20 +154,21 @@ void add_register(CLI::App& program, Command& command) {
   CLI::App* app = add_command(
       program, command, "register",
       "Find where the patient is, from marks or from points touched on the bone; writes a registration",
-      "Example: spinaltap register bone.vdb --touched touched.csv --start rough.json --noise 0.3 -o registration.json\n"
+      "Example: spinaltap register bone.vdb --surface-points touched.csv --start rough.json --noise 0.3 -o "
+      "registration.json\n"
       "Points: 3D Slicer's markups (.mrk.json, .fcsv), or CSV (x_mm,y_mm,z_mm). The exit code is 1, with all written,\n"
       "where the registration may be wrong: the warnings say why.");
-  app->add_option("bone", options->bone, "bone.vdb or spine.vdb; for --touched, and for errors at its pedicles")
+  app->add_option("bone", options->bone, "bone.vdb or spine.vdb; for --surface-points, and for errors at its pedicles")
       ->type_name("BONE");
   add_level(*app, options->level);
   CLI::Option* fiducials =
-      app->add_option("--fiducials", options->fiducials, "Marks in the CT: alone, or as a start for --touched")
+      app->add_option("--fiducials", options->fiducials, "Marks in the CT: alone, or as a start for --surface-points")
           ->type_name("FILE");
   CLI::Option* patient =
       app->add_option("--patient", options->patient, "The same marks as measured on the patient")->type_name("FILE");
   fiducials->needs(patient);
   patient->needs(fiducials);
-  app->add_option("--touched", options->touched, "Points touched on the bone's surface, as measured")
+  app->add_option("--surface-points", options->touched, "Points touched on the bone's surface, as measured")
       ->type_name("FILE");
   app->add_option("--start", options->start, "An earlier registration, about right; default: both frames are one")
       ->excludes(fiducials)

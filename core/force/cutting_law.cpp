@@ -67,17 +67,17 @@ double chisel_share_of(double feed_mm) { return std::clamp(feed_mm / kChiselFeed
 
 }  // namespace
 
-double FeedResistance::thrust_n(double feed_mm_per_turn) const noexcept {
+double CuttingResistance::thrust_n(double feed_mm_per_turn) const noexcept {
   return lips_n / reference_feed_mm * power_of_feed_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent) +
          chisel_n * chisel_share_of(feed_mm_per_turn);
 }
 
-double FeedResistance::torque_n_mm(double feed_mm_per_turn) const noexcept {
+double CuttingResistance::torque_n_mm(double feed_mm_per_turn) const noexcept {
   return lips_n_mm / reference_feed_mm * power_of_feed_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent) +
          rubbing_n_mm(feed_mm_per_turn);
 }
 
-double FeedResistance::rubbing_n_mm(double feed_mm_per_turn) const noexcept {
+double CuttingResistance::rubbing_n_mm(double feed_mm_per_turn) const noexcept {
   return rub_n_mm * chisel_share_of(feed_mm_per_turn);
 }
 
@@ -142,8 +142,8 @@ double ToolLaw::feed_times_factor_mm(double feed_mm) const noexcept {
   return power_of_feed_mm(feed_mm, reference_feed_mm_, feed_exponent_);
 }
 
-FeedResistance ToolLaw::resistance(const MetBone& bone, double rpm) const noexcept {
-  FeedResistance resistance;
+CuttingResistance ToolLaw::resistance(const EngagedBone& bone, double rpm) const noexcept {
+  CuttingResistance resistance;
   resistance.reference_feed_mm = reference_feed_mm_;
   resistance.feed_exponent = feed_exponent_;
   if (is_plate_) {
@@ -165,8 +165,8 @@ FeedResistance ToolLaw::resistance(const MetBone& bone, double rpm) const noexce
   return resistance;
 }
 
-FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu, double rpm,
-                                   double depth_mm) {
+CuttingResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu, double rpm,
+                                      double depth_mm) {
   const ToolLaw law(bit, material);
   const double energy_mpa = material.cutting_energy_mpa(hu);
   return law.resistance({energy_mpa * law.section_mm2(), material.chisel_pressure_mpa(hu), {depth_mm, energy_mpa}},

@@ -13,7 +13,7 @@ struct DrilledDepth {
 };
 
 /// What meets a tool: the energy that an advance cuts, by the material's table, and the chisel edge's pressure.
-struct MetBone {
+struct EngagedBone {
   double energy_n = 0.0;  ///< N·mm per mm of advance, at the reference feed
   double chisel_mpa = 0.0;
   DrilledDepth hole = {};
@@ -33,7 +33,7 @@ class ToolLaw {
   ToolLaw(const DrillBit& bit, const Material& material);
 
   /// `rpm` above 0.
-  FeedResistance resistance(const MetBone& bone, double rpm) const noexcept;
+  CuttingResistance resistance(const EngagedBone& bone, double rpm) const noexcept;
   /// Energy of cutting over that of the material's table, by the lips' rakes and speed: what torque and lateral force
   /// go with. 1 by the power law.
   double energy_factor(double rpm) const noexcept;
@@ -71,7 +71,7 @@ class ToolLaw {
 /// Thrust and torque of a bit that advances along its axis in an even block, by the law alone: what DrillForces comes
 /// to where the whole section cuts. `density_g_cm3` as the material's density calibration has it for `hu`; `depth_mm`
 /// of the hole behind it. Throws Error on a bad bit or material.
-FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu, double rpm = 1250.0,
-                                   double depth_mm = 0.0);
+CuttingResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu, double rpm = 1250.0,
+                                      double depth_mm = 0.0);
 
 }  // namespace spinaltap

@@ -8,7 +8,7 @@ namespace spinaltap {
 
 /// What the bone in front of a bit asks of a feed: thrust and torque for any feed per turn. An operator that pushes
 /// finds its feed from it.
-struct FeedResistance {
+struct CuttingResistance {
   double lips_n = 0.0;             ///< thrust of the lips at the reference feed
   double lips_n_mm = 0.0;          ///< torque at the reference feed
   double chisel_n = 0.0;           ///< thrust of the chisel edge and of worn flanks, at any feed above 0
@@ -32,7 +32,7 @@ struct Spindle {
 
 /// How bone holds a tool by contact and by its hole's wall, for who moves it by forces: as springs, one for each place
 /// that is touched.
-struct ToolHold {
+struct ContactStiffness {
   Vec3 moment_n_mm = Vec3::Zero();  ///< of contact and wall on the tool about its tip, patient LPS
   /// Force (N) and moment about the tip (N·mm) against a small way of the tip (mm) and a small turn (rad): 6 by 6, row
   /// by row, symmetric, without negative eigenvalues; patient LPS.
@@ -51,8 +51,8 @@ struct DrillForce {
   Vec3 support_n = Vec3::Zero();  ///< of its hole's wall, which holds a turning drill that is pushed sideways
   double feed_mm_per_turn = 0.0;
   double tip_density_g_cm3 = 0.0;  ///< of the living bone just ahead of the chisel edge; 0 where there is none
-  FeedResistance resistance;
-  ToolHold hold;  ///< zero unless asked for: DrillForces::tell_hold()
+  CuttingResistance resistance;
+  ContactStiffness hold;  ///< zero unless asked for: DrillForces::tell_hold()
 };
 
 }  // namespace spinaltap

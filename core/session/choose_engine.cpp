@@ -8,7 +8,7 @@ namespace spinaltap {
 
 // The rule follows `spinaltap bench drill`, whose last table says how far it is from the fastest engine of each row;
 // docs/drilling-benchmarks.md has a run. The numbers here are of points 0.1 mm apart and tools of 3 mm.
-std::string_view why_voxels(const SessionSetup& setup, const ExpectedWay& way) {
+std::string_view why_voxels(const SessionSetup& setup, const MotionClass& way) {
   if (!setup.options.has_path) return "no path";
   if (setup.path.bit.is_plate()) return "a plate";
   if (setup.region_mm) return "a region";
@@ -18,7 +18,7 @@ std::string_view why_voxels(const SessionSetup& setup, const ExpectedWay& way) {
   return "";
 }
 
-EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
+EngineKind chosen_engine(const SessionSetup& setup, const MotionClass& way) {
   if (setup.engine != EngineKind::automatic) return setup.engine;
   if (!why_voxels(setup, way).empty()) return EngineKind::voxel;
   // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster
@@ -33,7 +33,7 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   return setup.path.bit.shape == BitShape::round_burr && way.trembles ? EngineKind::leaf : EngineKind::ring;
 }
 
-SessionSetup setup_for(SessionSetup setup, const ExpectedWay& way) {
+SessionSetup setup_for(SessionSetup setup, const MotionClass& way) {
   setup.engine = chosen_engine(setup, way);
   if (!way.keeps_to_path) {
     setup.options.follows_path = false;

@@ -33,7 +33,7 @@ class ExactSum {
 /// The input's pose with a unit axis, where it makes sense and engines reach.
 std::optional<Pose> reachable_pose(const ToolInput& input, const DrillBit& bit, const Vec3& near_mm) noexcept {
   constexpr double kEnginesReachMm = 1e4;
-  const std::optional<Pose> pose = sound_pose(input.pose, bit);
+  const std::optional<Pose> pose = valid_pose(input.pose, bit);
   return pose && (pose->tip_mm - near_mm).cwiseAbs().maxCoeff() < kEnginesReachMm ? pose : std::nullopt;
 }
 
@@ -201,7 +201,7 @@ void DrillSession::end(OperatorEnd end) noexcept {
 void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   Tracking& tracking = *tracking_;
   if (tracking.is_placed) {
-    const double longest_mm = longest_way_mm(tracking.pose, pose, tool_length_mm(tracking.bit));
+    const double longest_mm = max_displacement_mm(tracking.pose, pose, tool_length_mm(tracking.bit));
     if (longest_mm > options_.max_jump_mm) {
       engine_->reset_motion();
       forces_.reset();

@@ -31,7 +31,7 @@ RayStretch between(const Line& line, double low, double high) {
 /// Bodies of revolution stay where they are.
 Pose pose_of(const DrillBit& bit, const Pose& pose) {
   if (!bit.is_plate()) return pose;
-  const std::optional<Pose> sound = sound_pose(pose, bit);
+  const std::optional<Pose> sound = valid_pose(pose, bit);
   if (!sound) fail("plate: expected a place that is finite, an axis of length 1, and a side across it");
   return *sound;
 }

@@ -16,7 +16,7 @@ struct RayStretch {
 /// back from the tip, and so is a ray's distance off the axis; a plate is a box.
 class BitBody {
  public:
-  /// Pose: patient LPS, mm; of a plate a sound one, see sound_pose().
+  /// Pose: patient LPS, mm; of a plate a sound one, see valid_pose().
   BitBody(const ToolBody& body, const Pose& pose) : body_(body), pose_(pose) {}
   /// Throws Error on a bad bit, and on a pose that is not sound of a plate.
   BitBody(const DrillBit& bit, const Pose& pose);

@@ -246,7 +246,7 @@ void check_bit(const DrillBit& bit) {
   }
 }
 
-std::optional<Pose> sound_pose(const Pose& pose, const DrillBit& bit) noexcept {
+std::optional<Pose> valid_pose(const Pose& pose, const DrillBit& bit) noexcept {
   constexpr double kUnitTolerance = 0.01, kExact = 1e-9;
   const double length = pose.axis.norm();
   if (!pose.tip_mm.allFinite() || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
@@ -266,7 +266,7 @@ std::optional<Pose> sound_pose(const Pose& pose, const DrillBit& bit) noexcept {
   return sound;
 }
 
-double longest_way_mm(const Pose& from, const Pose& to, double length_mm) noexcept {
+double max_displacement_mm(const Pose& from, const Pose& to, double length_mm) noexcept {
   const Vec3 tip_way_mm = to.tip_mm - from.tip_mm;
   const Vec3 base_way_mm = tip_way_mm - length_mm * (to.axis - from.axis);
   return std::max(tip_way_mm.norm(), base_way_mm.norm());

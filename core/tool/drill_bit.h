@@ -100,10 +100,10 @@ struct Pose {
 /// The pose that a device or a file gave, with a unit axis; nothing where a number is not finite or the axis not a unit
 /// one within 0.01, which is more than floats round. Of a plate with a unit side across the axis: the pose's own, which
 /// may be as much off, or that of DrillBit::width_along; nothing where the axis lies within 6 degrees of that.
-std::optional<Pose> sound_pose(const Pose& pose, const DrillBit& bit) noexcept;
+std::optional<Pose> valid_pose(const Pose& pose, const DrillBit& bit) noexcept;
 
 /// How far a bit's tip moves from one pose to another, or its base, `length_mm` behind it, where that is more: what a
 /// longest jump is held against.
-double longest_way_mm(const Pose& from, const Pose& to, double length_mm) noexcept;
+double max_displacement_mm(const Pose& from, const Pose& to, double length_mm) noexcept;
 
 }  // namespace spinaltap

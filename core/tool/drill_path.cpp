@@ -152,7 +152,7 @@ void check_path(const DrillPath& path) {
             " places between entry and target, found ", path.via_mm.size());
   }
   if (path.is_curved()) check_curve(path);
-  if (!sound_pose({path.target_mm, path.direction()}, path.bit)) {
+  if (!valid_pose({path.target_mm, path.direction()}, path.bit)) {
     fail_as(ErrorKind::geometry, "path ", in_quotes(path.name),
             ": expected the plate's width to lie across the path, found it along it");
   }

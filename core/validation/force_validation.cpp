@@ -73,7 +73,7 @@ LogPredictions predict(const Figures& figures, Material material) {
   std::vector<std::array<LogSum, 2>> sums(figures.conditions.size());
   for (std::size_t n = 0; n < sums.size(); ++n) {
     for (const DrillingCondition& one : figures.conditions[n]) {
-      const FeedResistance asked =
+      const CuttingResistance asked =
           resistance_of_block(one.bit, material, 1000.0 * one.density_g_cm3, one.rpm, one.depth_mm);
       sums[n][0].add(asked.thrust_n(one.feed_mm_per_turn));
       sums[n][1].add(asked.torque_n_mm(one.feed_mm_per_turn));

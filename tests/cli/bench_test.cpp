@@ -128,7 +128,7 @@ TEST_F(Bench, PrintsMarkdownWhereAskedFor) {
 
 TEST_F(Bench, LinkAnswersEveryPoseAndIsStopped) {
   const test::ProgramRun run =
-      run_program("bench link --seconds 1 --rate 200 --stops 2 --nonsense 20 --json link.json", folder_.path());
+      run_program("bench link --seconds 1 --rate 200 --stops 2 --garbage-rate 20 --json link.json", folder_.path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("round trip"));
   const Json figures = read_json(folder_.path() / "link.json");

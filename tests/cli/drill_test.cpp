@@ -84,7 +84,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   through.target_mm = centre_mm + 3.0 * direction;
   write_plan({through}, folder / "through.json");
   const Json one = drill("--engine voxel --no-clearances", "through.json");
-  const Json both = drill("--also second.vdb --no-clearances --voxels --record both.h5", "through.json");
+  const Json both = drill("--additional-bone second.vdb --no-clearances --voxels --record both.h5", "through.json");
   EXPECT_EQ(both["engine"], "voxel");
   EXPECT_EQ(both["also_drilled"], Json::array({"drilled_2.vdb"}));
   const auto mm3 = [](const Json& figures, const char* key) { return 8e-3 * figures[key].get<double>(); };
@@ -116,7 +116,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
                                      static_cast<int>(beside.z()))],
             1);
 
-  EXPECT_EQ(test::run_program("replay both.h5 bone.vdb --also second.vdb", folder).exit_code, 0);
+  EXPECT_EQ(test::run_program("replay both.h5 bone.vdb --additional-bone second.vdb", folder).exit_code, 0);
   EXPECT_EQ(test::run_program("render bone.vdb --record both.h5 -o first.png", folder).exit_code, 0);
   EXPECT_EQ(test::run_program("render second.vdb --record both.h5 -o second.png", folder).exit_code, 0);
   const test::ProgramRun alone = test::run_program("replay both.h5 bone.vdb", folder);
@@ -127,12 +127,12 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.errors, HasSubstr(words));
   };
-  says("--also second.vdb --engine ring", "only voxels can fill several bones");
-  says("--also second.vdb --points", "expected an engine of points");
+  says("--additional-bone second.vdb --engine ring", "only voxels can fill several bones");
+  says("--additional-bone second.vdb --points", "expected an engine of points");
   says("--voxels", "expected voxels with --voxels");
-  says("--also bone.vdb", "found one twice");
-  says("--also second.vdb:nonsense", "FILE or FILE:LEVEL");
-  says("--also nothing.vdb", "nothing.vdb");
+  says("--additional-bone bone.vdb", "found one twice");
+  says("--additional-bone second.vdb:nonsense", "FILE or FILE:LEVEL");
+  says("--additional-bone nothing.vdb", "nothing.vdb");
 }
 
 TEST_F(Drill, WritesThePointsThatAreLeft) {

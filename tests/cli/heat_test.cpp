@@ -155,7 +155,7 @@ TEST_F(Heat, RejectsWhatMakesNoSense) {
   rejected(kDrill + "--heat-limit 50", "expected --heat");
   rejected(kDrill + "--heat --heat-limit 30", "expected a limit above");
   rejected(kDrill + "--peck-pause 2", "expected --peck");
-  rejected(kDrill + "--heat --also bone.vdb", "--also");
+  rejected(kDrill + "--heat --additional-bone bone.vdb", "--additional-bone");
   rejected(kDrill + "--heat --thermal-bone plan.json", "plan.json");
   rejected("heat plan.json bone.vdb", "expected an HDF5 file");
   rejected("heat run.h5 bone.vdb --voxel 0", "--voxel");

@@ -50,7 +50,7 @@ TEST_F(Register, EndsWith2WithoutEnoughToGoBy) {
   write("ct.csv", "0,0,0\n60,5,0\n");
   EXPECT_EQ(run_program("register --fiducials ct.csv --patient ct.csv -o r.json", folder_.path()).exit_code, 2);
   EXPECT_EQ(run_program("register --fiducials ct.csv -o r.json", folder_.path()).exit_code, 2);
-  EXPECT_EQ(run_program("register --touched ct.csv -o r.json", folder_.path()).exit_code, 2);
+  EXPECT_EQ(run_program("register --surface-points ct.csv -o r.json", folder_.path()).exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "r.json"));
 }
 
@@ -91,8 +91,8 @@ TEST_F(Register, FindsATouchedBoneAndTellsOfAPatchThatDoesNotHoldIt) {
   }
   write("all.csv", all.str());
   write("patch.csv", patch.str());
-  const auto run = run_program("register l3/ground_truth.vdb --touched all.csv --noise 0.3 -o r.json --json told.json",
-                               folder_.path());
+  const auto run = run_program(
+      "register l3/ground_truth.vdb --surface-points all.csv --noise 0.3 -o r.json --json told.json", folder_.path());
   ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
   const RigidPose found = read_registration(folder_.path() / "r.json").ct_from_patient;
   const auto told = nlohmann::json::parse(std::ifstream(folder_.path() / "told.json"));
@@ -104,7 +104,7 @@ TEST_F(Register, FindsATouchedBoneAndTellsOfAPatchThatDoesNotHoldIt) {
     EXPECT_LT(error_mm, 3.0 * tre_mm);  // of some 0.25 mm
   }
   const auto held =
-      run_program("register l3/ground_truth.vdb --touched patch.csv --noise 0.3 -o p.json", folder_.path());
+      run_program("register l3/ground_truth.vdb --surface-points patch.csv --noise 0.3 -o p.json", folder_.path());
   EXPECT_EQ(held.exit_code, 1) << held.output;
   EXPECT_NE(held.output.find("warning"), std::string::npos) << held.output;
 }

@@ -93,7 +93,8 @@ const test::TemporaryFolder* StudySubmit::folder_ = nullptr;
 
 TEST_F(StudySubmit, PrintsItsScriptsAndWritesNothingWhereItIsADryRun) {
   const test::ProgramRun dry = expect_done(
-      "study submit study.json -o s --run-seconds 2000 --cpus 2 --at-once 3 --partition fast --account lab --mem 3G "
+      "study submit study.json -o s --run-seconds 2000 --cpus 2 --max-parallel-tasks 3 --partition fast --account lab "
+      "--mem 3G "
       "--sbatch=--constraint=avx2 --sbatch='--exclude=n1,n2' --dry-run --json dry.json");
   for (const char* line :
        {"#!/bin/bash\n", "#SBATCH --array=1-5%3\n", "#SBATCH --cpus-per-task=2\n", "#SBATCH --partition=fast\n",
@@ -133,7 +134,7 @@ TEST_F(StudySubmit, TimesRunsWhereNobodySaysWhatTheyTake) {
 }
 
 TEST_F(StudySubmit, SubmitsTellsAndSubmitsWhatIsMissing) {
-  expect_done("study submit study.json -o s --run-seconds 1 --shards 4 --at-once 2");
+  expect_done("study submit study.json -o s --run-seconds 1 --shards 4 --max-parallel-tasks 2");
   EXPECT_THAT(asked(),
               HasSubstr("--parsable --chdir=" + in("s").string() + " " + in("s/study.sbatch").string() + "\n"));
   EXPECT_THAT(asked(), HasSubstr("--dependency=afterok:41 --kill-on-invalid-dep=yes " + in("s/merge.sbatch").string()));

@@ -70,7 +70,7 @@ void read_stream(const fs::path& folder) {
   };
   std::size_t piece = 1;
   for (std::size_t at = 0; at < bytes.size(); at += piece, piece = piece * 7 % 251) {
-    if (!reader.take(std::string_view(bytes).substr(at, piece), take, [&](LinkRefusal) { ++refused; })) {
+    if (!reader.take(std::string_view(bytes).substr(at, piece), take, [&](LinkRejection) { ++refused; })) {
       fail("link: expected a header of OpenIGTLink, found none");
     }
   }

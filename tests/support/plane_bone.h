@@ -19,7 +19,7 @@ class PlaneBone {
         contact_n_mm_(material.contact_stiffness_n_mm(hu)),
         turns_per_s_(rpm / 60.0) {}
 
-  const FeedResistance& law() const { return law_; }
+  const CuttingResistance& law() const { return law_; }
   double turns_per_s() const { return turns_per_s_; }
   double bottom_mm() const { return bottom_mm_; }
 
@@ -81,7 +81,7 @@ class PlaneBone {
   }
 
  private:
-  FeedResistance law_;
+  CuttingResistance law_;
   double contact_n_mm_;
   double turns_per_s_;
   double bottom_mm_ = 0.0;

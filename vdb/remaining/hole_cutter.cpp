@@ -264,7 +264,7 @@ void HoleCutter::add(const DrilledHole& hole) {
   Ways ways = hole.ways;
   for (std::vector<Pose>& way : ways) {
     for (Pose& pose : way) {
-      const std::optional<Pose> sound = sound_pose(pose, hole.bit);
+      const std::optional<Pose> sound = valid_pose(pose, hole.bit);
       if (!sound)
         fail("cutting a hole: expected places that are finite, axes of length 1, and of plates sides across them");
       pose = *sound;

@@ -29,7 +29,7 @@ class HoleCutter {
   /// Where it has come to next: see cutting_ways().
   void add(std::span<const ToolInput> inputs);
   void add(std::span<const ToolMove> moves);
-  /// A whole hole. Throws Error on a bad bit, and on poses that are not sound (see sound_pose).
+  /// A whole hole. Throws Error on a bad bit, and on poses that are not sound (see valid_pose).
   void add(const DrilledHole& hole);
 
   /// Without all so far; the bone itself, where that is nothing of it. Stays as it is until something is added.

@@ -31,7 +31,7 @@ std::vector<Pose> checked_poses(const DrillBit& bit, std::span<const Pose> poses
   if (poses.empty()) fail("drilling: expected a pose or more");
   std::vector<Pose> sound;
   for (const Pose& pose : poses) {
-    const std::optional<Pose> one = sound_pose(pose, bit);
+    const std::optional<Pose> one = valid_pose(pose, bit);
     if (!one) {
       fail("drilling: expected a finite tip and an axis of length 1, of a plate also a side across it, found tip ",
            pose.tip_mm.transpose(), ", axis ", pose.axis.transpose(), ", side ", pose.side.transpose());

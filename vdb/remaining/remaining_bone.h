@@ -42,7 +42,7 @@ class RemainingBone {
 
   /// Takes away what the bit sweeps on its way from each pose (patient LPS, mm) to the next; one pose is a bit that
   /// stands. So calls of a session begin where the last one ended. Forgets what was undone. Throws Error on a bad bit,
-  /// on no pose, and on poses that are not sound (see sound_pose); then nothing has changed.
+  /// on no pose, and on poses that are not sound (see valid_pose); then nothing has changed.
   void drill(const DrillBit& bit, std::span<const Pose> poses);
 
   /// What is drilled from here on is another hole.

@@ -157,7 +157,7 @@ struct Session::State {
   void note(const Cycle& cycle) {
     const ToolMove move = cutting_move(cycle, setup.options);
     ++cycles;
-    if (const std::optional<Pose> pose = sound_pose(move.pose, tool)) at = pose;
+    if (const std::optional<Pose> pose = valid_pose(move.pose, tool)) at = pose;
     motion.add(move);
     if (!record) return;
     if (record_waits) {

@@ -78,7 +78,7 @@ PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setu
                        const PlayedHole* other, const Progress& progress, std::shared_ptr<NavigationSource> source)
     : bone_(std::move(bone)),
       setup_(setup_for(for_bone(std::move(setup), *bone_->bone),
-                       source ? ExpectedWay{.is_free = true} : tool_operator.expected_way())),
+                       source ? MotionClass{.is_free = true} : tool_operator.motion_class())),
       choice_(std::move(tool_operator)),
       source_(std::move(source)),
       session_(*bone_->bone, setup_.path, setup_, progress, other == nullptr ? nullptr : &other->session_),

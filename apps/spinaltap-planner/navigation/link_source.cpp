@@ -48,7 +48,7 @@ class LinkedTool final : public Operator {
 
  private:
   std::shared_ptr<LinkServer> server_;
-  LinkHearing hearing_;
+  LinkReceiver hearing_;
   bool has_side_;
   bool is_new_ = false;
   bool was_seen_ = false;

@@ -173,7 +173,7 @@ ToolActor::ToolActor() {
 void ToolActor::show(const DrillBit& bit, const Pose& pose) {
   mapper_->SetInputData(bit_mesh(bit));
   // A pose that is not sound shows a body of revolution anywhere, a plate turned anyhow.
-  actor_->SetUserMatrix(matrix_of(sound_pose(pose, bit).value_or(pose)));
+  actor_->SetUserMatrix(matrix_of(valid_pose(pose, bit).value_or(pose)));
   actor_->VisibilityOn();
 }
 

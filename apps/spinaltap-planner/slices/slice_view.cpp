@@ -38,7 +38,7 @@ bool is_drawable(const DrillBit& bit, const Pose& pose) {
   } catch (const Error&) {
     return false;
   }
-  return !bit.is_plate() || sound_pose(pose, bit);
+  return !bit.is_plate() || valid_pose(pose, bit);
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ class BenchClient {
       if (got <= 0) return;
       reader_.take(
           {room_.data(), static_cast<std::size_t>(got)}, [&](LinkMessage&& message) { count(message); },
-          [&](LinkRefusal) { ++others_; });
+          [&](LinkRejection) { ++others_; });
     }
   }
   TimeSpread round_trip() const { return round_trip_.spread(); }
@@ -350,7 +350,7 @@ void add_bench_link(CLI::App& program, Command& command) {
       ->check(CLI::Range(0, 10000))
       ->capture_default_str()
       ->type_name("N");
-  app->add_option("--nonsense", options->nonsense_mb_s,
+  app->add_option("--garbage-rate", options->nonsense_mb_s,
                   "So much nonsense a second comes from another peer meanwhile, MB; it connects again when refused")
       ->capture_default_str()
       ->type_name("MB");

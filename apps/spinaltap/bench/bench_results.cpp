@@ -268,7 +268,7 @@ Json json_of(const BenchMillingResult& result) {
 }
 
 /// The setup and the way of a workload, as far as they decide what auto is.
-std::string auto_engine(const DrillBit& bit, double spacing_mm, const ExpectedWay& way) {
+std::string auto_engine(const DrillBit& bit, double spacing_mm, const MotionClass& way) {
   SessionSetup setup;
   setup.path = workload_path(3.0);
   setup.path.bit = bit;

@@ -68,7 +68,7 @@ std::span<const WorkloadMotion> workload_motions() {
 
 bool is_of_paper(WorkloadMotion motion) { return motion <= WorkloadMotion::tremor_off_path; }
 
-ExpectedWay workload_way(WorkloadMotion motion) {
+MotionClass workload_way(WorkloadMotion motion) {
   return {.max_tilt_deg = kind_of(motion).tilt_deg, .trembles = kind_of(motion).tremor_mm > 0.0};
 }
 

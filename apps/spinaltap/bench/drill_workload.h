@@ -36,7 +36,7 @@ std::span<const WorkloadMotion> workload_motions();
 /// The first five, which the paper's own algorithms are measured on too.
 bool is_of_paper(WorkloadMotion motion);
 /// As a session would know it.
-ExpectedWay workload_way(WorkloadMotion motion);
+MotionClass workload_way(WorkloadMotion motion);
 
 /// 37.8 mm, oblique to all axes and far from the origin, as in a patient. The bit is 50 mm long with a tip of 5 mm.
 DrillPath workload_path(double diameter_mm);

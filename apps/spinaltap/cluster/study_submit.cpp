@@ -258,7 +258,8 @@ void add_study_submit(CLI::App& program, Command& command) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str()
       ->type_name("N");
-  app->add_option("--at-once", options->slurm.at_once, "Tasks that run at the same time at most; default: no limit")
+  app->add_option("--max-parallel-tasks", options->slurm.at_once,
+                  "Tasks that run at the same time at most; default: no limit")
       ->check(CLI::Range(1, 100'000))
       ->type_name("N");
   app->add_option("--partition", options->slurm.partition, "Slurm's partition")->type_name("NAME");

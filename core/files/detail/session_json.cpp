@@ -217,7 +217,7 @@ Pose read_pose(const Json& json, const DrillBit& bit, const Pose& before, const 
   };
   const bool is_whole = json.size() == whole;
   const Pose pose{three(0), is_whole ? three(3) : before.axis, is_whole && has_sides ? three(6) : before.side};
-  const std::optional<Pose> sound = sound_pose(pose, bit);
+  const std::optional<Pose> sound = valid_pose(pose, bit);
   if (!sound || sound->tip_mm.cwiseAbs().maxCoeff() > kMaxMm) {
     fail("expected poses within 10 m and with axes of length 1 in ", file.string(), ", found ", shown_value(json));
   }

@@ -13,10 +13,10 @@ void HoldSum::add(const Vec3& from_tip_mm, const Vec3& direction, double stiff_n
   turns_ += stiff_n_mm * lever * lever.transpose();
 }
 
-ToolHold HoldSum::in_patient(const PathFrame& frame, double factor) const noexcept {
+ContactStiffness HoldSum::in_patient(const PathFrame& frame, double factor) const noexcept {
   Mat3 turn;
   for (Eigen::Index n = 0; n < 3; ++n) turn.col(n) = frame.to_patient(Pose{Vec3::Zero(), Vec3::Unit(n)}).axis;
-  ToolHold hold;
+  ContactStiffness hold;
   hold.moment_n_mm = factor * (turn * moment_n_mm_);
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(hold.stiffness.data());
   all.topLeftCorner<3, 3>() = turn * ways_ * turn.transpose();

@@ -12,7 +12,7 @@ class HoldSum {
   /// for each mm that the tool goes against it.
   void add(const Vec3& from_tip_mm, const Vec3& direction, double stiff_n_mm, double push_n) noexcept;
   /// In patient LPS. `factor`: of the forces, not of the stiffness.
-  ToolHold in_patient(const PathFrame& frame, double factor = 1.0) const noexcept;
+  ContactStiffness in_patient(const PathFrame& frame, double factor = 1.0) const noexcept;
 
  private:
   Vec3 moment_n_mm_ = Vec3::Zero();

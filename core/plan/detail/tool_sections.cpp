@@ -166,7 +166,7 @@ double ToolSections::mean_mpa(std::size_t annulus, double depth_mm, double Sums:
   return (low_mpa + share * (high_mpa - low_mpa)) / places_of(static_cast<int>(annulus));
 }
 
-FeedResistance ToolSections::resistance(std::size_t n) const {
+CuttingResistance ToolSections::resistance(std::size_t n) const {
   const double tip_mm = depths_mm_[lead_ + n];
   const double section_mm2 = std::numbers::pi * bit_.radius_mm() * bit_.radius_mm();
   double energy_n = 0.0;

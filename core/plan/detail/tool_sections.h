@@ -33,7 +33,7 @@ class ToolSections {
   std::vector<double> band_shares() const;
   /// What the bone asks of the bit with its tip at the n-th depth: each annulus of the bit is cut where the tip first
   /// is as wide.
-  FeedResistance resistance(std::size_t n) const;
+  CuttingResistance resistance(std::size_t n) const;
 
  private:
   /// Sums over the places of an annulus that are in bone.

@@ -64,7 +64,7 @@ bool is_touched(const DrillForce& bone) {
 
 /// Feed at which the tool is in balance with the thrust, mm/s. `free_mm_s`: without any; each N of thrust takes
 /// `slows_mm_s` off.
-double feed_against(const FeedResistance& bone, double turns_per_s, double free_mm_s, double slows_mm_s) {
+double feed_against(const CuttingResistance& bone, double turns_per_s, double free_mm_s, double slows_mm_s) {
   if (!(free_mm_s > 0.0)) return free_mm_s;
   if (!(free_mm_s > slows_mm_s * bone.chisel_n)) return 0.0;
   if (!(bone.lips_n > 0.0)) return free_mm_s - slows_mm_s * bone.chisel_n;
@@ -178,7 +178,7 @@ void VirtualCoupling::move(const ToolFeedback& felt, bool spindle_on, double dt_
 
   const bool turns = limits_.senses_turn;
   const double turns_per_s = spindle_.rpm / 60.0;
-  const FeedResistance resistance = spindle_on ? felt.force.resistance : FeedResistance{};
+  const CuttingResistance resistance = spindle_on ? felt.force.resistance : CuttingResistance{};
   const double most_n = hold_ * limits_.max_force_n / scale;
   const double most_n_mm = hold_ * (limits_.gives_torque ? limits_.max_torque_n_mm / scale : 1e9);
   const Vec3 axis = this->axis();

@@ -19,10 +19,10 @@ struct DeviceNews {
 inline constexpr double kStiffInAir = 0.4;
 
 /// A tool of its own mass that a device pulls by a spring and a damper, in six degrees of freedom (virtual coupling:
-/// Colgate, Stanley & Brown 1995). Bone resists it: along its axis with the thrust that a feed asks (FeedResistance),
-/// sideways with the wall of its hole and what cutting takes, with the spindle off with contact. The tool goes where
-/// all of these are in balance at the cycle's end, by the implicit Euler method, so that bone may be as stiff as it
-/// likes; the device gets what the spring gives. docs/coupling.md.
+/// Colgate, Stanley & Brown 1995). Bone resists it: along its axis with the thrust that a feed asks
+/// (CuttingResistance), sideways with the wall of its hole and what cutting takes, with the spindle off with contact.
+/// The tool goes where all of these are in balance at the cycle's end, by the implicit Euler method, so that bone may
+/// be as stiff as it likes; the device gets what the spring gives. docs/coupling.md.
 ///
 /// The same news, feedback and times bring the same poses and forces.
 class VirtualCoupling {

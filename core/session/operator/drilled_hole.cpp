@@ -15,10 +15,10 @@ std::vector<std::vector<Pose>> ways_of(std::span<const Move> moves, const DrillB
   };
   if (last) way.push_back(*last);
   for (const Move& move : moves) {
-    const std::optional<Pose> pose = sound_pose(move.pose, bit);
+    const std::optional<Pose> pose = valid_pose(move.pose, bit);
     if (!pose) continue;
     if (!way.empty()) {
-      const bool is_jump = longest_way_mm(way.back(), *pose, bit.length_mm) > max_jump_mm;
+      const bool is_jump = max_displacement_mm(way.back(), *pose, bit.length_mm) > max_jump_mm;
       if (is_jump || !move.spindle_on) end_way();
     }
     if (move.spindle_on) way.push_back(*pose);

@@ -45,7 +45,7 @@ ForceControlled::ForceControlled(const DrillPath& path, const ForceControlOption
 void ForceControlled::feel(const ToolFeedback& feedback) noexcept {
   // An order to stop is not undone while the operator reacts to it; that thrust is low may pass.
   if (feedback.stop || stop_s_ > 0.0) stop_s_ += dt_s_;
-  const FeedResistance& bone = feedback.force.resistance;
+  const CuttingResistance& bone = feedback.force.resistance;
   if (phase_ == Phase::approach && (bone.lips_n > 0.0 || bone.chisel_n > 0.0)) phase_ = Phase::push;
   // Half a cycle forgives the rounding of sums of cycles.
   const double reaction_s = options_.reaction_s - 0.5 * dt_s_;
@@ -84,7 +84,7 @@ void ForceControlled::lean() noexcept {
   rocked_s_ += dt_s_;
 }
 
-void ForceControlled::move(const FeedResistance& bone) noexcept {
+void ForceControlled::move(const CuttingResistance& bone) noexcept {
   if (phase_ == Phase::approach) {
     feed_mm_s_ = std::min(options_.approach_mm_s, (bit_.end_mm() - depth_mm_) / dt_s_);
     depth_mm_ += feed_mm_s_ * dt_s_;

@@ -39,7 +39,7 @@ struct ForceControlOptions {
 };
 
 /// An operator that pushes along a line, so that feed follows from the bone: m dv/dt = F - T(v) - c v, with the thrust
-/// T that the bone asks of a feed (FeedResistance), by the implicit Euler method. It approaches until it feels bone,
+/// T that the bone asks of a feed (CuttingResistance), by the implicit Euler method. It approaches until it feels bone,
 /// and pushes; where the bit stands or crawls it rocks the handle and pushes harder. It lets go at the target, when the
 /// session asks to stop, and when the bone gives way: the latter two after its reaction time, in which the bit plunges.
 /// Once it stands it probes the hole: with bone at its end it goes on, carefully; without, it was the far side.
@@ -64,7 +64,7 @@ class ForceControlled final : public Operator {
   void feel(const ToolFeedback& feedback) noexcept;
   bool gives_way() noexcept;
   void lean() noexcept;
-  void move(const FeedResistance& bone) noexcept;
+  void move(const CuttingResistance& bone) noexcept;
   bool is_over(const ToolFeedback& feedback) noexcept;
   Pose pose(double time_s) const;
 

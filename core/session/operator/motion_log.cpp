@@ -96,13 +96,13 @@ void MotionLog::make_room_for(const DrillBit& bit) {
 
 void MotionLog::add(const ToolMove& move) noexcept {
   const DrillBit& bit = tools_.back();
-  const std::optional<Pose> sound = sound_pose(move.pose, bit);
+  const std::optional<Pose> sound = valid_pose(move.pose, bit);
   if (!sound) return;
   if (!move.spindle_on) {
     is_on_way_ = false;
     return;
   }
-  if (is_on_way_ && longest_way_mm(pose(size_ - 1), *sound, bit.length_mm) > max_jump_mm_) is_on_way_ = false;
+  if (is_on_way_ && max_displacement_mm(pose(size_ - 1), *sound, bit.length_mm) > max_jump_mm_) is_on_way_ = false;
   if (size_ == most_) {
     // Ways of one pose each, thousands of them: the last gives way, and the kept way may be off by anything.
     --size_;

@@ -62,7 +62,7 @@ class PlateEngine final : public DrillEngine {
 
   StepResult step(const Pose& pose) noexcept override {
     const bool is_unit = std::abs(pose.axis.norm() - 1.0) < 1e-6;
-    const std::optional<Pose> sound = is_unit ? sound_pose(pose, plate_) : std::nullopt;
+    const std::optional<Pose> sound = is_unit ? valid_pose(pose, plate_) : std::nullopt;
     if (!sound) return {};
     const Pose target = frame_.to_path(*sound);
     if (!(target.tip_mm.cwiseAbs().maxCoeff() <= kEngineReachMm)) return {};

@@ -97,7 +97,7 @@ class BitSweep {
 /// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`,
 /// turns are cut until chord and arc differ by less; a straight way along the axis is one pose of a lengthened bit,
 /// where the bit widens to one place. Other ways are no longer than `longest_mm`. One pose is a bit that stands. Poses
-/// are sound (see sound_pose), `bit` passes check_bit.
+/// are sound (see valid_pose), `bit` passes check_bit.
 std::vector<BitSweep> cut_into_sweeps(const DrillBit& bit, std::span<const Pose> poses, double tolerance_mm,
                                       double longest_mm);
 

@@ -25,7 +25,7 @@ using testing::IsEmpty;
 
 struct Read {
   std::vector<LinkMessage> messages;
-  std::vector<LinkRefusal> refusals;
+  std::vector<LinkRejection> refusals;
   bool is_sound = true;
   bool is_within = false;
 };
@@ -37,7 +37,7 @@ Read read_in_pieces(std::string_view bytes, std::size_t piece) {
   for (std::size_t at = 0; at < bytes.size() && read.is_sound; at += piece) {
     read.is_sound = reader.take(
         bytes.substr(at, piece), [&](LinkMessage&& message) { read.messages.push_back(std::move(message)); },
-        [&](LinkRefusal refusal) { read.refusals.push_back(refusal); });
+        [&](LinkRejection refusal) { read.refusals.push_back(refusal); });
   }
   read.is_within = reader.is_within();
   return read;
@@ -176,7 +176,7 @@ TEST(LinkReader, PassesOverWhatIsDamagedAndGoesOn) {
   std::string damaged = a_transform();
   damaged.back() = static_cast<char>(damaged.back() ^ 1);
   const Read read = read_in_pieces(damaged + a_transform("Reference"), 10);
-  EXPECT_THAT(read.refusals, ElementsAre(LinkRefusal::checksum));
+  EXPECT_THAT(read.refusals, ElementsAre(LinkRejection::checksum));
   ASSERT_EQ(read.messages.size(), 1U);
   EXPECT_EQ(read.messages[0].device, "Reference");
 }
@@ -184,14 +184,14 @@ TEST(LinkReader, PassesOverWhatIsDamagedAndGoesOn) {
 TEST(LinkReader, PassesOverTypesThatNobodyWantsWithoutKeepingThem) {
   const std::string image = pack_message("IMAGE", "US", std::string(3'000'000, 'x'));
   const Read read = read_in_pieces(image + a_transform(), 65536);
-  EXPECT_THAT(read.refusals, ElementsAre(LinkRefusal::type));
+  EXPECT_THAT(read.refusals, ElementsAre(LinkRejection::type));
   ASSERT_EQ(read.messages.size(), 1U);
 }
 
 TEST(LinkReader, RejectsABodyThatIsTooLargeForItsTypeBeforeItComes) {
   const std::string text = pack_message("STRING", "Command", std::string(LinkReader::kMaxBody + 1, 'x'));
   const Read at_once = read_in_pieces(text.substr(0, 58), 58);
-  EXPECT_THAT(at_once.refusals, ElementsAre(LinkRefusal::size));
+  EXPECT_THAT(at_once.refusals, ElementsAre(LinkRejection::size));
   const Read read = read_in_pieces(text + a_transform(), 4096);
   EXPECT_EQ(read.messages.size(), 1U);
 }
@@ -206,7 +206,7 @@ TEST(LinkReader, LosesAStreamOfWhatIsNoHeader) {
         std::string(58, '\xFF'), huge, other_version}) {
     const Read read = read_in_pieces(bytes + a_transform(), 13);
     EXPECT_FALSE(read.is_sound);
-    EXPECT_THAT(read.refusals, ElementsAre(LinkRefusal::header));
+    EXPECT_THAT(read.refusals, ElementsAre(LinkRejection::header));
     EXPECT_THAT(read.messages, IsEmpty());
   }
 }
@@ -224,7 +224,7 @@ TEST(LinkReader, RejectsExtendedHeadersWhosePartsLeadOutOfTheBody) {
     changed[at] = '\x7F';
     const Read read = read_in_pieces(pack_message("STRING", "Command", changed).replace(1, 1, "\x02"), 9);
     EXPECT_THAT(read.messages, IsEmpty()) << at;
-    EXPECT_THAT(read.refusals, ElementsAre(LinkRefusal::content)) << at;
+    EXPECT_THAT(read.refusals, ElementsAre(LinkRejection::content)) << at;
     ++rejected;
   }
   EXPECT_EQ(rejected, 6U);

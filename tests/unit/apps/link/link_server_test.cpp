@@ -87,7 +87,7 @@ class LinkedBlock {
   }
   /// After end().
   const LinkReport& network() const { return network_; }
-  std::uint64_t refused(LinkRefusal why) const { return network_.refused[static_cast<std::size_t>(why)]; }
+  std::uint64_t refused(LinkRejection why) const { return network_.refused[static_cast<std::size_t>(why)]; }
 
   std::uint16_t port() const { return server_.port(); }
   LinkServer& server() { return server_; }
@@ -243,7 +243,7 @@ TEST(LinkServer, TellsStateEventsPlanAndStatusAndEndsAtACommand) {
   peer.send_string("Command", "END");
   wait_s(0.2);
   EXPECT_TRUE(linked.end().is_ended);
-  EXPECT_EQ(linked.refused(LinkRefusal::command), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::command), 1U);
 }
 
 TEST(LinkServer, SendsAStopWhereARuleAsksForOne) {
@@ -304,9 +304,9 @@ TEST(LinkServer, ClosesOnGarbageAndGoesOnWithTheOthers) {
   good.send_transform("Tool", scaled);
   ASSERT_TRUE(drill(good, linked, 0.0, 1.0, 10));
   linked.end();
-  EXPECT_EQ(linked.refused(LinkRefusal::header), 1U);
-  EXPECT_EQ(linked.refused(LinkRefusal::checksum), 1U);
-  EXPECT_EQ(linked.refused(LinkRefusal::content), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::header), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::checksum), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::content), 1U);
   EXPECT_EQ(linked.cycles().size(), 20U);
 }
 
@@ -335,7 +335,7 @@ TEST(LinkServer, LeavesTheToolToWhoeverSentItFirst) {
   wait_s(0.1);
   ASSERT_TRUE(drill(second, linked, -0.8, -0.7, 2));
   linked.end();
-  EXPECT_EQ(linked.refused(LinkRefusal::not_in_charge), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::not_in_charge), 1U);
 }
 
 TEST(LinkServer, ClosesOnHalfMessagesAndOnPeersThatDoNotRead) {
@@ -356,12 +356,12 @@ TEST(LinkServer, ClosesOnHalfMessagesAndOnPeersThatDoNotRead) {
   std::uint64_t closed = 0;
   for (int n = 0; n < 100 && closed == 0; ++n) {
     wait_s(0.05);
-    closed = linked.server().report().refused[static_cast<std::size_t>(LinkRefusal::hanging)];
+    closed = linked.server().report().refused[static_cast<std::size_t>(LinkRejection::hanging)];
   }
   EXPECT_EQ(closed, 1U);
   ASSERT_TRUE(drill(good, linked, -1.0, 0.0, 10));
   linked.end();
-  EXPECT_EQ(linked.refused(LinkRefusal::half), 1U);
+  EXPECT_EQ(linked.refused(LinkRejection::half), 1U);
 }
 
 TEST(LinkServer, TakesNoMorePeersThanItMayHave) {
@@ -406,9 +406,9 @@ TEST(LinkServer, DrillsOnUnderAFloodOfNonsense) {
   for (std::thread& flood : floods) flood.join();
   EXPECT_TRUE(is_whole);
   EXPECT_EQ(linked.cycles().size(), 300U);
-  EXPECT_GT(linked.refused(LinkRefusal::header), 0U);
-  EXPECT_GT(linked.refused(LinkRefusal::type), 0U);
-  EXPECT_GT(linked.refused(LinkRefusal::device), 1000U);
+  EXPECT_GT(linked.refused(LinkRejection::header), 0U);
+  EXPECT_GT(linked.refused(LinkRejection::type), 0U);
+  EXPECT_GT(linked.refused(LinkRejection::device), 1000U);
   EXPECT_GT(linked.network().bytes_in, 1'000'000U);
 }
 

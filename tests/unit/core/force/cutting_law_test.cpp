@@ -33,17 +33,17 @@ DrillBit webless(double helix_deg, double point_deg = 118.0) {
 }
 
 double lips_thrust_n(const DrillBit& bit, const Material& material) {
-  const FeedResistance block = resistance_of_block(bit, material, kLawHu);
+  const CuttingResistance block = resistance_of_block(bit, material, kLawHu);
   return block.thrust_n(kLawFeedMm) - block.chisel_n;
 }
 
 TEST(CuttingLaws, PowerLawKnowsNeitherHelixNorWearNorDepthNorSpeed) {
   const Material material;
   DrillBit bit = webless(25.0);
-  const FeedResistance usual = resistance_of_block(bit, material, kLawHu);
+  const CuttingResistance usual = resistance_of_block(bit, material, kLawHu);
   bit.helix_deg = 5.0;
   bit.wear_mm = 0.2;
-  const FeedResistance other = resistance_of_block(bit, material, kLawHu, 4000.0, 30.0);
+  const CuttingResistance other = resistance_of_block(bit, material, kLawHu, 4000.0, 30.0);
   EXPECT_EQ(other.thrust_n(kLawFeedMm), usual.thrust_n(kLawFeedMm));
   EXPECT_EQ(other.torque_n_mm(kLawFeedMm), usual.torque_n_mm(kLawFeedMm));
   EXPECT_EQ(ToolLaw(bit, material).energy_factor(700.0), 1.0);
@@ -106,9 +106,9 @@ TEST(CuttingLaws, LipsPushAndTurnHarderWithLessHelixAndAWiderWeb) {
 TEST(CuttingLaws, AWornFlatIsPressedByWhatTheChiselEdgeIs) {
   const Material material = mechanistic();
   DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
-  const FeedResistance sharp = resistance_of_block(bit, material, kLawHu);
+  const CuttingResistance sharp = resistance_of_block(bit, material, kLawHu);
   bit.wear_mm = 0.05;
-  const FeedResistance worn = resistance_of_block(bit, material, kLawHu);
+  const CuttingResistance worn = resistance_of_block(bit, material, kLawHu);
   const double pressed_n = material.chisel_pressure_mpa(kLawHu) * 2.0 * 0.05 * (1.6 - 0.25);
   EXPECT_NEAR(worn.thrust_n(kLawFeedMm) - sharp.thrust_n(kLawFeedMm), pressed_n, 1e-9 * pressed_n);
   // Rubbing, on the flats' slope, at their mean radius.
@@ -120,8 +120,8 @@ TEST(CuttingLaws, AWornFlatIsPressedByWhatTheChiselEdgeIs) {
 TEST(CuttingLaws, TorqueGrowsWithDepthByMarginsAndChipsAndThrustDoesNot) {
   const Material material = mechanistic();
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
-  const FeedResistance open = resistance_of_block(bit, material, kLawHu);
-  const FeedResistance deep = resistance_of_block(bit, material, kLawHu, 1250.0, 20.0);
+  const CuttingResistance open = resistance_of_block(bit, material, kLawHu);
+  const CuttingResistance deep = resistance_of_block(bit, material, kLawHu, 1250.0, 20.0);
   EXPECT_EQ(deep.thrust_n(kLawFeedMm), open.thrust_n(kLawFeedMm));
   const double wall_mpa = material.lips.margin_pressure_share * material.cutting_energy_mpa(kLawHu);
   const double margins_n_mm =
@@ -162,7 +162,7 @@ TEST(CuttingLaws, MechanisticIsFeltInEveryCycleOfAnEvenBlock) {
   felt.drill(Vec3(0.0, 0.0, -0.3), 7.0, 0.002, [&](double z_mm, const DrillForce& force) {
     if (z_mm < 4.0) return;
     ++seen;
-    const FeedResistance block = resistance_of_block(bit, material, test::kFeltHu, spindle.rpm, z_mm);
+    const CuttingResistance block = resistance_of_block(bit, material, test::kFeltHu, spindle.rpm, z_mm);
     EXPECT_NEAR(force.thrust_n, block.thrust_n(feed), 0.01 * block.thrust_n(feed)) << z_mm;
     // Margins rub on what was cut: of the tip's cone a third of its length's section.
     const double cut_mm = z_mm - 2.0 / 3.0 * bit.tip_length_mm;

@@ -62,7 +62,7 @@ TEST(CuttingModel, LeaveTheChiselEdgeMostOfTheThrust) {
   // Saha 1982: a point that leaves the chisel edge with little to do saved 45 % of the thrust; so it made more than
   // that.
   Material material;
-  const FeedResistance block = resistance_of_block(surgical_drill(3.2), material, test::hu_of(material, 1.9));
+  const CuttingResistance block = resistance_of_block(surgical_drill(3.2), material, test::hu_of(material, 1.9));
   const double share = block.chisel_n / block.thrust_n(120.0 / 1250.0);
   EXPECT_GT(share, 0.45);
   EXPECT_LT(share, 0.7);

@@ -59,7 +59,7 @@ TEST_P(EvenBlock, GivesThrustAndTorqueOfTheClosedFormInEveryCycle) {
     for (const double offset_mm : {0.0, 0.83}) {
       for (const double step_mm : {0.0001, 0.001, 0.01, 0.02}) {
         SCOPED_TRACE(::testing::Message() << tool.name << ", " << offset_mm << " mm off, steps of " << step_mm);
-        const FeedResistance block = resistance_of_block(tool.bit, Material(), kFeltHu);
+        const CuttingResistance block = resistance_of_block(tool.bit, Material(), kFeltHu);
         const double feed = feed_mm(step_mm, spindle);
         PointVolume volume = test::block(tool.bit.tip_length_mm + 6.0, 2.8, GetParam(), kFeltHu);
         int seen = 0;
@@ -82,7 +82,7 @@ TEST(ResistanceOfBlock, IsTheModelWrittenOut) {
   Material material;
   material.density = {0.0, 0.001};
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
-  const FeedResistance block = resistance_of_block(bit, material, 1500.0);
+  const CuttingResistance block = resistance_of_block(bit, material, 1500.0);
   const double feed = 0.06;
   const double energy_mpa = material.specific_cutting_energy_mpa * std::pow(1.5, 2.0) * std::pow(feed / 0.1, -0.3);
   const double torque_n_mm = energy_mpa * feed * 1.6 * 1.6 / 2.0;
@@ -112,7 +112,7 @@ TEST(DrillForces, OfHalfABlockAreHalfTheTorqueAndALateralForce) {
     PointVolume volume = test::block(9.0, 2.8, 0.1, kFeltHu);
     test::fill_density(volume, material, [&](const Vec3& p) { return p.dot(towards) > 0.0 ? density : 0.0; });
     FeltBit felt(volume, bit, material, {.rpm = 1250.0, .is_clockwise = is_clockwise});
-    const FeedResistance block = resistance_of_block(bit, material, kFeltHu);
+    const CuttingResistance block = resistance_of_block(bit, material, kFeltHu);
     const double feed = feed_mm(0.002, felt.spindle());
     const double torque_n_mm = block.torque_n_mm(feed);
     const double along_cut_n = 2.0 * torque_n_mm / (std::numbers::pi * bit.radius_mm());
@@ -137,7 +137,7 @@ TEST(DrillForces, ChangeWithTheFeedAtOnceAndNotWithoutOne) {
   const DrillBit bit{3.06, 50.0, 5.0};
   PointVolume volume = test::block(12.0, 2.0, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
-  const FeedResistance block = resistance_of_block(bit, Material(), kFeltHu);
+  const CuttingResistance block = resistance_of_block(bit, Material(), kFeltHu);
   felt.drill(Vec3(0.0, 0.0, -0.3), 8.0, 0.001);
   // 25 ms at four times the feed are 0.1 mm: long before what is cut has been averaged anew.
   double z_mm = 8.0;
@@ -158,7 +158,7 @@ TEST(DrillForces, AreThoseOfTheFeedUnderTremorAcrossTheAxis) {
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
   PointVolume volume = test::block(10.0, 2.8, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
-  const FeedResistance block = resistance_of_block(bit, Material(), kFeltHu);
+  const CuttingResistance block = resistance_of_block(bit, Material(), kFeltHu);
   const double feed = feed_mm(0.001, felt.spindle());
   double sum_n = 0.0, max_n = 0.0, min_n = 1e9;
   int count = 0;

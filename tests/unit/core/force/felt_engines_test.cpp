@@ -106,7 +106,7 @@ TEST(FeltEngines, FeelVolumesOfManySpacingsAsOne) {
   }
   const auto joint = make_joint_engine(std::move(engines));
   DrillForces forces(volumes, bit, {});
-  const FeedResistance block = resistance_of_block(bit, Material(), 400.0);
+  const CuttingResistance block = resistance_of_block(bit, Material(), 400.0);
   for (int n = 0; n < 5'500; ++n) {
     const double z_mm = -0.2 + 0.002 * n;
     const Pose pose = test::pose_at(volumes.front(), Vec3(0.0, 0.0, z_mm));

@@ -19,7 +19,7 @@ double cortex_rise_k(double diameter_mm, double rpm, double feed_mm_s, double di
   const double hu = 1650.0;  // 1.78 g/cm³
   const DrillBit bit = twist_drill(diameter_mm, 40.0, 118.0, 0.16 * diameter_mm);
   const double feed_mm = 60.0 * feed_mm_s / rpm;
-  const FeedResistance resistance = resistance_of_block(bit, material, hu);
+  const CuttingResistance resistance = resistance_of_block(bit, material, hu);
   const double density = material.density.density_g_cm3(hu);
   const CuttingHeat heat = cutting_heat(
       thermal, diameter_mm, {resistance.torque_n_mm(feed_mm), resistance.thrust_n(feed_mm), rpm, feed_mm, density});

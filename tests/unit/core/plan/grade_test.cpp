@@ -280,7 +280,7 @@ TEST_F(GradePath, PredictsTheThrustOfTheBitAndLessWhileItsTipEnters) {
   const DrillPath planned = path(18.0);
   const GradeOptions options;
   const double feed_mm = options.feed_mm_s * 60.0 / options.spindle.rpm;
-  FeedResistance block = resistance_of_block(planned.bit, Material(), 300.0);
+  CuttingResistance block = resistance_of_block(planned.bit, Material(), 300.0);
   const double full_n = block.thrust_n(feed_mm);
   const double lips_n = full_n - block.chisel_n;
   ASSERT_GT(lips_n, 0.1 * full_n);

@@ -51,7 +51,7 @@ TEST(DrillSession, RemovesFeelsAndNotesContact) {
   for (int n = 0; n <= 900; ++n) removed += session->step({block.at(-1.0 + 0.01 * n), true, 0.01}).step.removed;
   EXPECT_EQ(removed, before - block.volumes.front().alive_count());
   const double mm_a_turn = 1.0 / (1250.0 / 60.0);
-  const FeedResistance resistance = resistance_of_block(block.path.bit, block.material, 600.0);
+  const CuttingResistance resistance = resistance_of_block(block.path.bit, block.material, 600.0);
   EXPECT_NEAR(session->last().force.thrust_n, resistance.thrust_n(mm_a_turn), 0.02 * resistance.thrust_n(mm_a_turn));
   ASSERT_FALSE(session->events().empty());
   EXPECT_EQ(session->events().front().kind, EventKind::contact);

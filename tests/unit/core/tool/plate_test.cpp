@@ -31,7 +31,7 @@ Pose random_plate_pose(Random& random, double off_mm) {
 Pose moved(const Pose& pose, const Vec3& way_mm, const Vec3& about, double angle_rad) {
   const Mat3 turn = Eigen::AngleAxisd(angle_rad, about).toRotationMatrix();
   const Pose turned{pose.tip_mm + way_mm, turn * pose.axis, turn * pose.side};
-  return *sound_pose(turned, kSaw);
+  return *valid_pose(turned, kSaw);
 }
 
 TEST(PlateBox, HasTheDistanceOfItsNearestPlaceAndItsSlope) {
@@ -117,22 +117,22 @@ TEST(PlateMotion, IsStraightWithoutATurnAndCutWhereItBends) {
 
 TEST(PlatePose, TakesItsOwnSideOrTheToolsOrNone) {
   Pose pose{Vec3(1, 2, 3), Vec3::UnitY()};
-  EXPECT_EQ(sound_pose(pose, kSaw)->side, Vec3::UnitZ()) << "headwards";
+  EXPECT_EQ(valid_pose(pose, kSaw)->side, Vec3::UnitZ()) << "headwards";
   pose.side = Vec3::UnitX();
-  EXPECT_EQ(sound_pose(pose, kSaw)->side, Vec3::UnitX());
-  EXPECT_EQ(sound_pose(pose, DrillBit{})->side, Vec3::Zero()) << "a body of revolution has none";
+  EXPECT_EQ(valid_pose(pose, kSaw)->side, Vec3::UnitX());
+  EXPECT_EQ(valid_pose(pose, DrillBit{})->side, Vec3::Zero()) << "a body of revolution has none";
   pose.side = Vec3(1.003, 0.004, 0.0);  // as floats may round it
-  const Vec3 side = sound_pose(pose, kSaw)->side;
+  const Vec3 side = valid_pose(pose, kSaw)->side;
   EXPECT_NEAR(side.norm(), 1.0, 1e-12);
   EXPECT_NEAR(side.y(), 0.0, 1e-12);
   pose.side = Vec3(0.7, 0.7, 0.0);
-  EXPECT_FALSE(sound_pose(pose, kSaw)) << "not across the axis";
+  EXPECT_FALSE(valid_pose(pose, kSaw)) << "not across the axis";
   pose.side = Vec3(std::nan(""), 0.0, 0.0);
-  EXPECT_FALSE(sound_pose(pose, kSaw));
-  EXPECT_FALSE(sound_pose({Vec3::Zero(), Vec3::UnitZ()}, kSaw)) << "along what it is held by";
+  EXPECT_FALSE(valid_pose(pose, kSaw));
+  EXPECT_FALSE(valid_pose({Vec3::Zero(), Vec3::UnitZ()}, kSaw)) << "along what it is held by";
   DrillBit held = kSaw;
   held.width_along = Vec3(0.6, 0.8, 0.0);
-  EXPECT_EQ(sound_pose({Vec3::Zero(), Vec3::UnitZ()}, held)->side, held.width_along);
+  EXPECT_EQ(valid_pose({Vec3::Zero(), Vec3::UnitZ()}, held)->side, held.width_along);
 }
 
 TEST(Plate, RejectsSizesThatMakeNoSense) {

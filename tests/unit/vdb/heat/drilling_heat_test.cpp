@@ -59,7 +59,7 @@ BlockHeat heat_of(const BlockDrilling& drilling) {
   const double density = material.density.density_g_cm3(drilling.hu);
   heat.tissue = thermal.at(density);
   const double feed_mm = 60.0 * drilling.feed_mm_s / drilling.rpm;
-  const FeedResistance resistance = resistance_of_block(heat.bit, material, drilling.hu);
+  const CuttingResistance resistance = resistance_of_block(heat.bit, material, drilling.hu);
   // Only what the pilot hole left is cut, and the chisel edge meets nothing.
   const double left = 1.0 - std::pow(drilling.pilot_mm / drilling.diameter_mm, 2);
   const double thrust_n = drilling.pilot_mm > 0.0 ? 0.0 : resistance.thrust_n(feed_mm);

@@ -73,7 +73,7 @@ const Drilling& drilled_ball() {
   return drilling;
 }
 
-FeedResistance even_bone() { return resistance_of_block(diameter_path().bit, Material(), kHu); }
+CuttingResistance even_bone() { return resistance_of_block(diameter_path().bit, Material(), kHu); }
 
 double feed_mm() { return kFeedMmS * 60.0 / Spindle().rpm; }
 

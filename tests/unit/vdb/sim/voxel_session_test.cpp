@@ -46,14 +46,14 @@ const std::vector<Vec3> kVoxelDirections{
     {0.2, -0.9, 0.3}, {0.0, 0.0, 1.0}, {-1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {1.0, -1.0, 1.0}};
 
 TEST(VoxelSessions, NeedTheThrustAndTorqueOfTheModelInEveryDirection) {
-  const FeedResistance even = resistance_of_block(path_through({1, 0, 0}).bit, Material(), kEvenHu);
+  const CuttingResistance even = resistance_of_block(path_through({1, 0, 0}).bit, Material(), kEvenHu);
   const double feed_mm = 60.0 / Spindle().rpm;
   for (const Vec3& direction : kVoxelDirections) {
     SCOPED_TRACE(testing::Message() << direction.transpose());
     const SessionSetup setup = voxel_setup(path_through(direction));
     const double section = section_of_voxels(setup.path, setup.volume.spacing_mm);
     EXPECT_NEAR(section, 1.0, 0.03);
-    FeedResistance expected = even;
+    CuttingResistance expected = even;
     expected.lips_n *= section;
     expected.lips_n_mm *= section;
     double thrust_n = 0.0, torque_n_mm = 0.0;

@@ -76,7 +76,7 @@ TEST(CoupledSession, IsFeltAsTheLawHasIt) {
     const double feed_mm_s = (to_mm - from_mm) / ((count - 1) * 1e-3);
     EXPECT_GT(feed_mm_s, 0.1);
     const Spindle spindle;
-    const FeedResistance law = resistance_of_block(block.path.bit, block.material, 700.0, spindle.rpm);
+    const CuttingResistance law = resistance_of_block(block.path.bit, block.material, 700.0, spindle.rpm);
     const double law_n = law.thrust_n(feed_mm_s * 60.0 / spindle.rpm);
     EXPECT_NEAR(felt_n, law_n, 0.03 * law_n) << delay_s << " s, " << feed_mm_s << " mm/s";
     EXPECT_LT(given_n_mm, 1.0);

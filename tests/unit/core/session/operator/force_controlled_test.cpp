@@ -20,7 +20,7 @@ constexpr double kTurnsPerS = 1250.0 / 60.0;
 double soft_slab(double depth_mm) { return depth_mm >= 0.0 && depth_mm <= 8.0 ? 500.0 : kNan; }
 
 /// The feed (mm/s) at which thrust and damping are the push, found apart from the operator.
-double balanced_feed_mm_s(const FeedResistance& bone, double push_n, double damping_n_s_mm) {
+double balanced_feed_mm_s(const CuttingResistance& bone, double push_n, double damping_n_s_mm) {
   double low = 0.0, high = 1e4;
   for (int n = 0; n < 200; ++n) {
     const double middle = 0.5 * (low + high);
@@ -30,7 +30,7 @@ double balanced_feed_mm_s(const FeedResistance& bone, double push_n, double damp
 }
 
 /// Asks the operator `cycles` times, the bone being what it is.
-void ask(ForceControlled& tool_operator, int cycles, const FeedResistance& bone, bool stop = false) {
+void ask(ForceControlled& tool_operator, int cycles, const CuttingResistance& bone, bool stop = false) {
   ToolFeedback feedback;
   feedback.force.resistance = bone;
   feedback.stop = stop;
@@ -42,7 +42,7 @@ DrillPath slab_path() { return test::DrillBlock(soft_slab, 60.0).path; }
 TEST(ForceControlled, ReachesTheFeedAtWhichThrustAndDampingAreItsPush) {
   const DrillBit bit = twist_drill(3.0, 60.0, 118.0, 0.48);
   for (const double hu : {300.0, 600.0}) {
-    const FeedResistance bone = resistance_of_block(bit, {}, hu);
+    const CuttingResistance bone = resistance_of_block(bit, {}, hu);
     for (const double push_n : {15.0, 30.0, 60.0}) {
       ForceControlled tool_operator(slab_path(), {.push_n = push_n});
       ask(tool_operator, 1'000, bone);
@@ -57,7 +57,7 @@ TEST(ForceControlled, DoesSoInASession) {
   test::DrillBlock block([](double depth_mm) { return depth_mm >= 0.0 ? 500.0 : kNan; }, 20.0);
   const auto session = block.session();
   ForceControlled tool_operator(block.path, {.line = {.lead_in_mm = 1.0}, .push_n = 20.0});
-  const FeedResistance resistance = resistance_of_block(block.path.bit, block.material, 500.0);
+  const CuttingResistance resistance = resistance_of_block(block.path.bit, block.material, 500.0);
   const double expected_mm_s = balanced_feed_mm_s(resistance, 20.0, 2.0);
   double sum_mm_s = 0.0, sum_n = 0.0;
   int count = 0;
@@ -76,7 +76,7 @@ TEST(ForceControlled, DoesSoInASession) {
 }
 
 TEST(ForceControlled, StandsWhereTheChiselEdgeHoldsIt) {
-  FeedResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 1200.0);
+  CuttingResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 1200.0);
   ASSERT_GT(bone.chisel_n, 20.0);
   ForceControlled weak(slab_path(), {.push_n = 0.9 * bone.chisel_n, .max_push_n = 0.0});
   ask(weak, 500, bone);
@@ -90,7 +90,7 @@ TEST(ForceControlled, StandsWhereTheChiselEdgeHoldsIt) {
 }
 
 TEST(ForceControlled, GivesUpWhereItCannotGoOn) {
-  FeedResistance bone;
+  CuttingResistance bone;
   bone.chisel_n = 1e3;
   ForceControlled tool_operator(slab_path(), {.longest_s = 2.0});
   ToolFeedback feedback;
@@ -123,7 +123,7 @@ TEST(ForceControlled, PlungesTheFurtherTheHarderItPushes) {
 }
 
 TEST(ForceControlled, StopsAReactionTimeAfterItIsAskedTo) {
-  const FeedResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 500.0);
+  const CuttingResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 500.0);
   for (const double reaction_s : {0.0, 0.1, 0.2, 0.5}) {
     ForceControlled tool_operator(slab_path(), {.push_n = 20.0, .reaction_s = reaction_s});
     ask(tool_operator, 1'500, bone);
