@@ -161,11 +161,12 @@ TEST_F(PlannerSpeed, IsNotHeldUpWhileVertebraeAreFoundAndBaked) {
     QElapsedTimer clock;
     clock.start();
     QString last;  // TEMPORARY
-    const auto conn = QObject::connect(&levels.job(), &BackgroundJob::progressed, [&](const QString& stage, double share) {
-      if (stage == last) return;
-      last = stage;
-      std::printf("  %.1f s %s %.2f\n", 1e-3 * static_cast<double>(clock.elapsed()), stage.toUtf8().data(), share);
-    });
+    const auto conn =
+        QObject::connect(&levels.job(), &BackgroundJob::progressed, [&](const QString& stage, double share) {
+          if (stage == last) return;
+          last = stage;
+          std::printf("  %.1f s %s %.2f\n", 1e-3 * static_cast<double>(clock.elapsed()), stage.toUtf8().data(), share);
+        });
     const auto seconds = [&] { return 1e-3 * static_cast<double>(clock.elapsed()); };
     const std::shared_ptr<const OpenedBone> before = document().opened();
     drop(ct);

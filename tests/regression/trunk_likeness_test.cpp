@@ -18,6 +18,7 @@
 #include "core/segment/spine_bodies.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_kind.h"
+#include "tests/trunks/trunk_exam.h"
 
 namespace spinaltap {
 namespace {

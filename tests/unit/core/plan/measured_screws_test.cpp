@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/files/measurements_file.h"
 #include "core/plan/screw_hold.h"
+#include "tests/support/foam_hold_model.h"
 
 namespace spinaltap {
 namespace {

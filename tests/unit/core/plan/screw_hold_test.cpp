@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "tests/support/foam_hold_model.h"
 #include "tests/support/nan.h"
 
 namespace spinaltap {

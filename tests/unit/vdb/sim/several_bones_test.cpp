@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/record/session_record.h"
+#include "tests/support/random_drilling.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/vdb/sim/voxel_ball.h"
 #include "vdb/sim/drilling.h"

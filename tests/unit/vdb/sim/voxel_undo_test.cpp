@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/session/cutting_motion.h"
 #include "core/session/record/session_record.h"
 #include "tests/support/random_drilling.h"
 #include "tests/support/temporary_folder.h"
