@@ -207,7 +207,11 @@ std::string PlanModel::check_kept(const std::filesystem::path& folder) const {
 
 std::string PlanModel::check_file(const std::filesystem::path& file) const {
   const std::vector<DrillPath> read = read_plan(file);
-  const std::vector<DrillPath>& paths = window_.planner().document().paths();
+  const PlanDocument& document = window_.planner().document();
+  std::vector<DrillPath> paths = document.paths();
+  for (DrillPath& path : paths) {  // files name it
+    if (path.bone.is_empty() && document.bone()) path.bone = document.bone()->bone->identity();
+  }
   if (are_same(read, paths)) return {};
   return "saved " + words_of_plan(paths) + ", read back " + words_of_plan(read);
 }
