@@ -69,14 +69,6 @@ TEST_F(PlannerCt, ShowsItsSlicesBeforeAnyVertebraIsLookedFor) {
   input.move(slice("axial"), slice("axial").rect().center());
   input.wheel(2);
   EXPECT_TRUE(wait_until([&] { return planner().view().crosshair_mm() != before; }));
-<<<<<<< HEAD
-  if (std::getenv("SHOT")) {
-    wait_until([&] { return child<QProgressBar>("levelsProgress").value() > 35; }, 20000);
-    let_work(1700);
-    window->grab().save(QString(std::getenv("SHOT")) + "/finding.png");
-  }
-=======
->>>>>>> 619b76e8 (Tests of the CT's page without pictures; a saved plan names its bone)
   EXPECT_TRUE(child<QProgressBar>("levelsProgress").isVisible());
   EXPECT_TRUE(child<QToolButton>("levelsCancel").isVisible());
   EXPECT_EQ(levels().search(), CtLevels::Search::running);
@@ -110,13 +102,6 @@ TEST_F(PlannerCt, AClickOnAVertebraBakesItWhileTheSlicesAreUsed) {
   let_work(100);
   const Vec3 looked_at = planner().view().crosshair_mm();
   EXPECT_TRUE(child<QToolButton>("levelsCancel").isVisible());
-<<<<<<< HEAD
-  if (std::getenv("SHOT")) {
-    let_work(4000);
-    window->grab().save(QString(std::getenv("SHOT")) + "/baking.png");
-  }
-=======
->>>>>>> 619b76e8 (Tests of the CT's page without pictures; a saved plan names its bone)
   ASSERT_TRUE(wait_until([&] { return document().bone() != nullptr; }, kLongMs));
   EXPECT_EQ(document().bone(), levels().levels()[1].bone);
   EXPECT_EQ(document().bone()->volume, document().opened()->volume);
@@ -133,13 +118,6 @@ TEST_F(PlannerCt, AClickOnAVertebraBakesItWhileTheSlicesAreUsed) {
   const QLabel& line = child<QLabel>("shown");
   EXPECT_GE(line.width(), line.sizeHint().width());
   EXPECT_TRUE(window->rect().contains(QRect(line.mapTo(window.get(), QPoint(0, 0)), line.size())));
-<<<<<<< HEAD
-  if (std::getenv("SHOT")) {
-    let_work(500);
-    window->grab().save(QString(std::getenv("SHOT")) + "/planned.png");
-  }
-=======
->>>>>>> 619b76e8 (Tests of the CT's page without pictures; a saved plan names its bone)
   window->show_page("ct");
   let_work(50);
   click_row(2);

@@ -160,16 +160,6 @@ TEST_F(PlannerSpeed, IsNotHeldUpWhileVertebraeAreFoundAndBaked) {
     QObject::connect(&hand, &QTimer::timeout, &hand, [&] { axial.step(++steps / 20 % 2 == 0 ? 1 : -1); });
     QElapsedTimer clock;
     clock.start();
-<<<<<<< HEAD
-    QString last;  // TEMPORARY
-    const auto conn =
-        QObject::connect(&levels.job(), &BackgroundJob::progressed, [&](const QString& stage, double share) {
-          if (stage == last) return;
-          last = stage;
-          std::printf("  %.1f s %s %.2f\n", 1e-3 * static_cast<double>(clock.elapsed()), stage.toUtf8().data(), share);
-        });
-=======
->>>>>>> 619b76e8 (Tests of the CT's page without pictures; a saved plan names its bone)
     const auto seconds = [&] { return 1e-3 * static_cast<double>(clock.elapsed()); };
     const std::shared_ptr<const OpenedBone> before = document().opened();
     drop(ct);
