@@ -16,11 +16,19 @@ namespace {
 
 /// Weights are seconds of a clinical CT.
 const std::vector<JobStage>& search_stages() {
-  static const std::vector<JobStage> stages{{"finding the vertebral bodies", 3.0}, {"parting the vertebrae", 6.0}};
+  static const std::vector<JobStage> stages{
+      {"finding the spinal canal", 4.0}, {"finding the vertebral bodies", 3.0}, {"parting the vertebrae", 13.0}};
   return stages;
 }
 const std::vector<JobStage>& bake_stages() {
-  static const std::vector<JobStage> stages{{"surface points", 1.0}, {"reducing centres", 8.0}, {"evaluating", 4.0}};
+  static const std::vector<JobStage> stages{{"surface points", 13.0},
+                                            {"solving", 10.0},
+                                            {"baking the distance", 6.0},
+                                            {"measuring distances", 17.0},
+                                            {"meshing", 1.0},
+                                            {"reading the bone's shape", 1.5},
+                                            {"measuring the bone's depth", 2.5},
+                                            {"finding the vertebra's landmarks", 5.0}};
   return stages;
 }
 

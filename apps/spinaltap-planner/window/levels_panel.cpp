@@ -113,7 +113,7 @@ QString LevelsPanel::state_of(const CtLevel& level) const {
     case CtLevel::State::waiting:
       return tr("waits");
     case CtLevel::State::baking:
-      return tr("is baked, %1 %").arg(static_cast<int>(100.0 * share_));
+      return tr("baking, %1 %").arg(static_cast<int>(100.0 * share_));
     case CtLevel::State::baked:
       return level.bone == document_.bone() ? tr("shown") : tr("ready: a click shows it");
     case CtLevel::State::failed:
@@ -121,8 +121,8 @@ QString LevelsPanel::state_of(const CtLevel& level) const {
     case CtLevel::State::found:
       break;
   }
-  if (level.report.is_cut) return tr("cut by the CT's edge");
-  return level.report.is_suspect() ? tr("to be looked at: it may be wrong") : QString();
+  if (level.report.is_cut) return tr("not baked; cut by the CT's edge");
+  return level.report.is_suspect() ? tr("not baked; to be looked at, it may be wrong") : tr("not baked");
 }
 
 void LevelsPanel::fill() {
