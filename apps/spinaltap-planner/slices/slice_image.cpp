@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdlib>
 
 #include "apps/report/level_slices.h"
 #include "apps/spinaltap-planner/window/words.h"
@@ -12,6 +14,27 @@ namespace {
 bool is_same_frame(const SliceFrame& a, const SliceFrame& b) {
   return a.origin_mm == b.origin_mm && a.right == b.right && a.down == b.down && a.pixel_mm == b.pixel_mm &&
          a.width == b.width && a.height == b.height;
+}
+
+/// To the left of a label, at the height of its body: where that is not in the slice, of the row of the label that is
+/// nearest to it.
+Eigen::Vector2d place_of_name(const LabelPixels& pixels, int label, int body_row) {
+  constexpr int kHalfHeight = 6;  ///< of the words, pixels
+  constexpr double kBesidePx = 5.0;
+  int nearest = -1;
+  std::vector<int> left(static_cast<std::size_t>(pixels.height), pixels.width);  ///< by row
+  for (int row = 0; row < pixels.height; ++row) {
+    const auto begin = pixels.labels.begin() + static_cast<std::ptrdiff_t>(row) * pixels.width;
+    const auto first = static_cast<int>(std::find(begin, begin + pixels.width, label) - begin);
+    left[static_cast<std::size_t>(row)] = first;
+    if (first == pixels.width) continue;
+    if (nearest < 0 || std::abs(row - body_row) < std::abs(nearest - body_row)) nearest = row;
+  }
+  int leftmost = pixels.width;
+  for (int row = std::max(nearest - kHalfHeight, 0); row <= std::min(nearest + kHalfHeight, pixels.height - 1); ++row) {
+    leftmost = std::min(leftmost, left[static_cast<std::size_t>(row)]);
+  }
+  return {leftmost - kBesidePx, static_cast<double>(nearest)};
 }
 
 }  // namespace
@@ -32,32 +55,18 @@ void SliceImage::draw_levels(const SpineSegmentation& levels) {
   constexpr int kMinPixels = 60;  // less is a corner of a bone that is not looked at
   const SliceFrame& frame = slice_.frame;
   const LabelPixels pixels{frame.width, frame.height, labels_on(levels.labels, flat(frame))};
-  struct Seen {
-    int pixels = 0;
-    int left = 0;       ///< column
-    double rows = 0.0;  ///< their sum
-  };
-  std::array<Seen, 256> seen{};
-  for (int row = 0; row < frame.height; ++row) {
-    for (int column = 0; column < frame.width; ++column) {
-      const int label = pixels.at(column, row);
-      if (label <= 0) continue;
-      Seen& one = seen[static_cast<std::size_t>(label)];
-      one.left = one.pixels == 0 ? column : std::min(one.left, column);
-      ++one.pixels;
-      one.rows += row;
-    }
-  }
+  std::array<int, 256> counts{};
+  for (const int label : pixels.labels) ++counts[static_cast<std::size_t>(std::max(label, 0))];
   for (std::size_t n = 0; n < levels.levels.size(); ++n) {
     const LevelReport& level = levels.levels[n];
-    const Seen& one = seen[static_cast<std::size_t>(level.label)];
-    if (one.pixels == 0) continue;
+    const int count = counts[static_cast<std::size_t>(level.label)];
+    if (count == 0) continue;
     const Colour colour = level_colour(n);
     draw_label_outline(slice_.image, pixels, level.label, colour, level.is_suspect());
-    if (one.pixels < kMinPixels) continue;
-    constexpr double kBesidePx = 5.0;
+    if (count < kMinPixels) continue;
+    const int body_row = static_cast<int>(std::lround(std::clamp(frame.to_pixel(level.body_centre_mm).y(), -1e6, 1e6)));
     names_.push_back(
-        {text_of(level.name), QColor(colour[0], colour[1], colour[2]), {one.left - kBesidePx, one.rows / one.pixels}});
+        {text_of(level.name), QColor(colour[0], colour[1], colour[2]), place_of_name(pixels, level.label, body_row)});
   }
 }
 
