@@ -81,22 +81,11 @@ std::vector<double> step_times_us(const std::vector<Pose>& poses, const Step& st
   return times_us;
 }
 
-/// A burr that swings from -5 to 5 degrees and back, a degree a step, about a place behind its tip (the tip is swept
-/// over bone) or its tip itself, and goes 0.1 mm aside after each swing.
+/// A burr that turns a degree a step about a place behind its tip (the tip is swept over bone) or its tip itself.
 void turn(benchmark::State& state) {
-  const auto behind_mm = static_cast<double>(state.range(0));
   static const VoxelBone whole(read_bone(bone_file()), {.voxel_mm = 0.1});
   const DrillBit burr = milling_burr(4.0);
-  const Vec3 start_mm = milling_start_mm() - Vec3(0.0, 6.0, 1.0);
-  constexpr int kHalfSwing = 5, kSwings = 120;
-  std::vector<Pose> poses;
-  for (int swing = 0; swing < kSwings; ++swing) {
-    for (int n = -kHalfSwing; n < kHalfSwing; ++n) {
-      const double angle = (swing % 2 == 0 ? n : -n) * kDegree;
-      const Vec3 axis(std::sin(angle), 0.0, -std::cos(angle));
-      poses.push_back({start_mm + Vec3(0.0, 0.1 * swing, 0.0) + behind_mm * (axis + Vec3::UnitZ()), axis});
-    }
-  }
+  const std::vector<Pose> poses = turning_poses(static_cast<double>(state.range(0)));
   std::vector<double> step_us;
   std::size_t removed = 0;
   for ([[maybe_unused]] const auto _ : state) {

@@ -187,7 +187,8 @@ class Bench {
     }
   }
 
-  /// What is milled at a spacing: each burr at each tilt, and the 4 mm one upright with forces and in short steps too.
+  /// What is milled at a spacing: each burr at each tilt; the 4 mm one in short steps and with forces too, and turned
+  /// about a place 50 mm behind its tip.
   std::vector<MillingWorkload> millings(double spacing_mm) const {
     std::vector<MillingWorkload> workloads;
     for (const double diameter_mm : diameters({3.0, 4.0, 6.0})) {
@@ -196,7 +197,11 @@ class Bench {
       }
       if (diameter_mm != 4.0) continue;
       workloads.push_back({.step_mm = 0.01, .spacing_mm = spacing_mm});
-      workloads.push_back({.spacing_mm = spacing_mm, .has_forces = true});
+      for (const double tilt_deg : {0.0, 30.0, 80.0}) {
+        workloads.push_back({.tilt_deg = tilt_deg, .spacing_mm = spacing_mm, .has_forces = true});
+      }
+      constexpr double kLeverMm = 50.0;
+      workloads.push_back({.step_mm = kLeverMm * kDegree, .spacing_mm = spacing_mm, .lever_mm = kLeverMm});
     }
     return workloads;
   }
@@ -211,7 +216,9 @@ class Bench {
       const DrilledBone whole = milled_bone(model, has_points ? EngineKind::leaf : EngineKind::voxel, spacing_mm);
       DrilledBone bone(whole);
       for (const MillingWorkload& workload : millings(spacing_mm)) {
-        if (has_points && (workload.tilt_deg > kMaxPointTiltDeg || workload.has_forces)) continue;
+        if (has_points && (workload.tilt_deg > kMaxPointTiltDeg || workload.has_forces || workload.lever_mm > 0.0)) {
+          continue;
+        }
         const std::vector<Pose> poses = milling_poses(workload, kMillingCycles, options_.seed);
         TextWriter stage;
         stage << engine.name << ", milling, " << workload.diameter_mm << " mm, " << workload.tilt_deg << " degrees";

@@ -122,6 +122,12 @@ TextTable steps_table(const BenchResults& results) {
   return table;
 }
 
+std::string milling_name(const BenchMillingResult& result) {
+  return result.engine + (result.workload.has_forces       ? " with forces"
+                          : result.workload.lever_mm > 0.0 ? ", turning"
+                                                           : "");
+}
+
 TextTable millings_table(const BenchResults& results) {
   TextTable table({{"burr", "mm"},
                    {"tilt", "degrees"},
@@ -142,15 +148,14 @@ TextTable millings_table(const BenchResults& results) {
   for (const BenchMillingResult& result : results.millings) {
     const MillingWorkload& workload = result.workload;
     const EngineMeasurement& measured = result.measured;
-    table.add_row({short_text(workload.diameter_mm), short_text(workload.tilt_deg), short_text(1e3 * workload.step_mm),
-                   short_text(workload.spacing_mm), result.engine + (workload.has_forces ? " with forces" : ""),
-                   readable_number(measured.all.cycles_per_cpu_s(), 0), rounded(measured.cpu.p50_us),
-                   rounded(measured.cpu.p99_us), rounded(measured.cpu.p999_us), rounded(measured.wall.p50_us),
-                   rounded(measured.wall.p99_us), rounded(measured.wall.p999_us),
-                   rounded(per_cycle(measured.all.removed, measured.all)),
-                   rounded(per_cycle(measured.all.tested, measured.all)),
-                   readable_number(static_cast<double>(result.points), 0),
-                   rounded(1e-6 * static_cast<double>(measured.memory_bytes))});
+    table.add_row(
+        {short_text(workload.diameter_mm), short_text(workload.tilt_deg), short_text(1e3 * workload.step_mm),
+         short_text(workload.spacing_mm), milling_name(result), readable_number(measured.all.cycles_per_cpu_s(), 0),
+         rounded(measured.cpu.p50_us), rounded(measured.cpu.p99_us), rounded(measured.cpu.p999_us),
+         rounded(measured.wall.p50_us), rounded(measured.wall.p99_us), rounded(measured.wall.p999_us),
+         rounded(per_cycle(measured.all.removed, measured.all)), rounded(per_cycle(measured.all.tested, measured.all)),
+         readable_number(static_cast<double>(result.points), 0),
+         rounded(1e-6 * static_cast<double>(measured.memory_bytes))});
   }
   return table;
 }
@@ -254,6 +259,7 @@ Json json_of(const BenchMillingResult& result) {
           {"diameter_mm", workload.diameter_mm},
           {"tilt_deg", workload.tilt_deg},
           {"step_mm", workload.step_mm},
+          {"lever_mm", workload.lever_mm},
           {"spacing_mm", workload.spacing_mm},
           {"points", result.points},
           {"cycles", measured.cycles},
@@ -382,7 +388,8 @@ std::string bench_tables(const BenchResults& results, bool markdown) {
   if (!results.millings.empty()) {
     if (!tables.empty()) tables += "\n";
     tables +=
-        "A trembling hand mills the phantom's L3 at 50 mm/s with a ball burr, one thread:\n\n" +
+        "A trembling hand mills the phantom's L3 at 50 mm/s with a ball burr, or turns it a degree a step; one thread:"
+        "\n\n" +
         text(millings_table(results)) +
         "\nOthers, as they were measured on such a machine, not in this run: a 3 mm tool where not said, voxels of "
         "0.1 mm, solid bone, the thread's CPU time:\n\n" +

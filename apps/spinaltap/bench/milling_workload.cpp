@@ -76,6 +76,7 @@ DrillBit milling_burr(double diameter_mm) {
 }
 
 std::vector<Pose> milling_poses(const MillingWorkload& workload, std::size_t cycles, std::uint64_t seed) {
+  if (workload.lever_mm > 0.0) return turning_poses(workload.lever_mm);
   const std::vector<Vec3> corners = corners_of_lines(workload.step_mm * static_cast<double>(cycles));
   const Vec3 first_mm = milling_start_mm() - Vec3(0.5 * kMilledLineMm, 0.5 * kMilledLineMm, kLayerMm);
   const double tilt = workload.tilt_deg * kDegree;
@@ -96,6 +97,20 @@ std::vector<Pose> milling_poses(const MillingWorkload& workload, std::size_t cyc
     const double share = std::min(1.0, (way_mm - begin_mm) / length_mm);
     const Vec3 at_mm = corners[next - 1] + share * (corners[next] - corners[next - 1]);
     poses.push_back({first_mm + at_mm + tremor.at_mm(way_mm / kMillingMmS), axis});
+  }
+  return poses;
+}
+
+std::vector<Pose> turning_poses(double lever_mm) {
+  const Vec3 start_mm = milling_start_mm() - Vec3(0.0, 6.0, 1.0);
+  constexpr int kHalfSwing = 5, kSwings = 120;
+  std::vector<Pose> poses;
+  for (int swing = 0; swing < kSwings; ++swing) {
+    for (int n = -kHalfSwing; n < kHalfSwing; ++n) {
+      const double angle = (swing % 2 == 0 ? n : -n) * kDegree;
+      const Vec3 axis(std::sin(angle), 0.0, -std::cos(angle));
+      poses.push_back({start_mm + Vec3(0.0, 0.1 * swing, 0.0) + lever_mm * (axis + Vec3::UnitZ()), axis});
+    }
   }
   return poses;
 }

@@ -20,6 +20,7 @@ struct MillingWorkload {
   double step_mm = 0.05;     ///< a cycle, but for what the hand trembles: 1 kHz
   double spacing_mm = 0.1;   ///< of voxels or points
   bool has_forces = false;   ///< the cycle works out what the operator feels, too
+  double lever_mm = 0.0;     ///< above 0: it turns instead about a place so far behind its tip, see turning_poses()
 };
 
 /// The phantom's L3. Baking takes seconds: 0.25 mm eight times as long.
@@ -27,7 +28,11 @@ BoneModel milling_bone(double voxel_mm = 0.5);
 /// In the middle of its upper endplate, patient LPS, mm.
 Vec3 milling_start_mm();
 DrillBit milling_burr(double diameter_mm);
-/// Patient LPS: the first before cycle 0, the others after each cycle. `seed`: of the tremor.
+/// A burr that swings from -5 to 5 degrees and back, a degree a cycle, and goes 0.1 mm aside after each of 120 swings.
+/// Patient LPS.
+std::vector<Pose> turning_poses(double lever_mm);
+/// Patient LPS: the first before cycle 0, the others after each cycle. `seed`: of the tremor. All of turning_poses()
+/// where there is a lever.
 std::vector<Pose> milling_poses(const MillingWorkload& workload, std::size_t cycles, std::uint64_t seed = 1);
 
 /// Voxels of the whole bone; or points of a cylinder of 20 mm that holds what a burr of up to 6 mm reaches in
