@@ -70,8 +70,6 @@ class CertificateTree {
     }
   }
 
-  /// What is left of a box's certificate, of the lowest level; far below 0 where it has not been checked all along.
-  float left_mm(std::size_t box) const { return levels_.front().left_mm[box]; }
   Vec3 centre_mm(std::size_t box) const { return levels_.front().certificates.centre_mm(box); }
   double half_mm() const { return levels_.front().certificates.half_mm(); }
   /// Boxes of the highest level that hold something living.

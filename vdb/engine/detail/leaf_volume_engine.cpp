@@ -112,7 +112,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
   // Where one piece is much nearer to the box than the others, only what of a move leads to its side counts.
   const auto [pieces, rest_mm] = from.within(body_mm + half_mm);
   FreeMove one_sided = tool.to_one_side(tree_.centre_mm(number), half_mm, pieces);
-  if (one_sided.angle_sine < 1.0 && round_mm > 0.5 * body_mm) {
+  if (one_sided.has_side() && round_mm > 0.5 * body_mm) {
     one_sided.free_mm = round_mm - margin_mm;
     one_sided.rest_mm = rest_mm - margin_mm;
     return certify(one_sided);

@@ -11,16 +11,16 @@ template <class Self, class Visit>
 void MoveCertificates::for_each_column(Self& self, const Visit& visit) {
   for (auto* column : {&self.x_, &self.y_, &self.z_, &self.foot_x_, &self.foot_y_, &self.foot_z_, &self.turn_x_,
                        &self.turn_y_, &self.turn_z_, &self.back_, &self.free_, &self.forward_, &self.backward_,
-                       &self.side_x_, &self.side_y_, &self.side_z_, &self.sine_, &self.rest_}) {
+                       &self.side_x_, &self.side_y_, &self.side_z_, &self.sine_, &self.axial_, &self.rest_}) {
     visit(*column);
   }
 }
 
 MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half_mm, const MoveKernels& kernels)
     : half_mm_(half_mm + 1e-4), kernels_(&kernels) {  // centres are rounded to float
-  for_each_column(*this, [&](std::vector<float>& column) { column.assign(centres_mm.size(), 0.0F); });
+  for_each_column(*this, [&](std::vector<float>& column) { column.assign(centres_mm.size() + kMoveBlock, 0.0F); });
   std::fill(free_.begin(), free_.end(), -1.0F);
-  std::fill(sine_.begin(), sine_.end(), 1.0F);
+  std::fill(sine_.begin(), sine_.end(), static_cast<float>(FreeMove::kNoSide));
   if (centres_mm.empty()) return;
   middle_mm_ = bounds_of(centres_mm).center();
   for (std::size_t n = 0; n < centres_mm.size(); ++n) {
@@ -62,7 +62,7 @@ void MoveCertificates::check(std::size_t begin, std::size_t end, float* left_mm)
   const MoveColumns columns{x_.data(),      y_.data(),       z_.data(),        foot_x_.data(), foot_y_.data(),
                             foot_z_.data(), turn_x_.data(),  turn_y_.data(),   turn_z_.data(), back_.data(),
                             free_.data(),   forward_.data(), backward_.data(), side_x_.data(), side_y_.data(),
-                            side_z_.data(), sine_.data(),    rest_.data()};
+                            side_z_.data(), sine_.data(),    axial_.data(),    rest_.data()};
   kernels_->check(columns, line_, begin, end - begin, left_mm);
 }
 
@@ -106,7 +106,8 @@ void MoveCertificates::renew(std::size_t box, const FreeMove& free) noexcept {
   side_x_[box] = static_cast<float>(free.side.x());
   side_y_[box] = static_cast<float>(free.side.y());
   side_z_[box] = static_cast<float>(free.side.z());
-  sine_[box] = static_cast<float>(std::min(1.0, free.angle_sine * 1.000001));
+  sine_[box] = static_cast<float>(free.has_side() ? std::min(1.0, free.angle_sine * 1.000001) : FreeMove::kNoSide);
+  axial_[box] = static_cast<float>(free.axial);
 }
 
 void MoveCertificates::copy(std::size_t from, std::size_t to) noexcept {

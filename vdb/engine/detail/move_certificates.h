@@ -17,8 +17,12 @@ struct FreeMove {
 
   // Where the nearest piece of the tool is a ball or a cylinder, and the whole box lies to one side of it:
   Vec3 side = Vec3::Zero();  ///< unit, from the piece to the box, in the boxes' frame; zero: moves to all sides count
-  double angle_sine = 1.0;   ///< by how much directions from the piece to the box's points may differ from it
-  double rest_mm = 1e30;     ///< how far the bit may move to any side before another piece can touch them
+  static constexpr double kNoSide = 2.0;
+  double angle_sine = kNoSide;  ///< by how much directions from the piece to the box's points may differ from it
+  double axial = 1.0;     ///< how much of moves along the axis counts: none of a cylinder, which slides along itself
+  double rest_mm = 1e30;  ///< how far the bit may move to any side before another piece can touch them
+
+  bool has_side() const { return angle_sine <= 1.0; }
 };
 
 /// A bit's axis at the end of a step, as certificates are checked against it.
@@ -44,7 +48,8 @@ struct BitLine {
 /// with u the unit vector from the piece's centre or axis to p when the certificate was made. Where all u of a box lie
 /// within an angle of `side`, the most of u m is |m| where m does too, else |m| cos(m's angle to `side`, less that
 /// angle), which may be below 0. It takes the place of |F - F'| and the way along; turns count threefold, as they move
-/// p across the axis, along it, and turn u. Other pieces of the tool, which are further off, count moves to all sides.
+/// p across the axis, along it, and turn u; of a cylinder, which slides along itself, the part along the axis does not
+/// count at all. Other pieces of the tool, which are further off, count moves to all sides.
 /// As it is convex too and does not fall faster than |m|, a node's certificate that counts moves to all sides holds for
 /// it. A step that turns has an edge and a turn of its own at its begin too, of which the check at the end of the step
 /// before knew nothing: there the step's own way counts in full.
@@ -73,7 +78,7 @@ class MoveCertificates {
   void renew(std::size_t box, const FreeMove& free) noexcept;
   /// Box `to` becomes a copy of box `from`.
   void copy(std::size_t from, std::size_t to) noexcept;
-  std::size_t memory_bytes() const { return 18 * size() * sizeof(float); }
+  std::size_t memory_bytes() const { return 19 * size() * sizeof(float); }
 
  private:
   template <class Self, class Visit>
@@ -83,7 +88,7 @@ class MoveCertificates {
   std::vector<float> foot_x_, foot_y_, foot_z_;  ///< of the middle on the axis, from middle_mm_
   std::vector<float> turn_x_, turn_y_, turn_z_;  ///< axis less axis_
   std::vector<float> back_, free_, forward_, backward_;
-  std::vector<float> side_x_, side_y_, side_z_, sine_, rest_;
+  std::vector<float> side_x_, side_y_, side_z_, sine_, axial_, rest_;
   MoveLine line_{};
   Vec3 middle_mm_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();  ///< floats of differences from it are fine

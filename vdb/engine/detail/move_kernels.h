@@ -13,10 +13,13 @@ struct MoveLine {
   float noise, back_noise;  ///< what rounding may hide, mm: of feet, and of places along the axis
 };
 
+/// So many boxes are checked together: columns have room for as many past their last.
+inline constexpr std::size_t kMoveBlock = 16;
+
 /// Certificates of boxes, a column a number.
 struct MoveColumns {
   const float *x, *y, *z, *foot_x, *foot_y, *foot_z, *turn_x, *turn_y, *turn_z, *back, *free, *forward, *backward,
-      *side_x, *side_y, *side_z, *sine, *rest;
+      *side_x, *side_y, *side_z, *sine, *axial, *rest;
 };
 
 /// One set of instructions. All sets do the same operations in the same order: their results are the same bits.

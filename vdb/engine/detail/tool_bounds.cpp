@@ -89,16 +89,16 @@ SweptBounds::SweptBounds(std::span<const SweptBit> pieces, const ToolBounds& bou
   // Where a bit draws back, points were further back before, where a cone is wider.
   back_mm_ = std::max(0.0, along_mm);
   angle_ = 2.0 * std::asin(std::min(1.0, 0.5 * line_.turned));
+  per_piece_ = 1.0 / static_cast<double>(pieces.size());
 }
 
 SweptBounds::Reach SweptBounds::reach_of_ball(const BitPlace& at, double radius_mm) const {
-  const double from_tip_mm = std::sqrt(at.back_mm * at.back_mm + at.off_mm * at.off_mm) + radius_mm;
-  const double arc_mm = angle_ * (from_tip_mm + way_mm_);
+  const double arc_mm = angle_ * (std::abs(at.back_mm) + at.off_mm + radius_mm + way_mm_);
   const double turned_mm = arc_mm + line_.edge_mm + kSpareMm;
   const double across_mm = across_mm_ + turned_mm;
   // Twice the edge: the bounds at both ends of a way leave one each.
   const double edges_mm = 2.0 * line_.edge_mm + kSpareMm;
-  const double piece_mm = (way_mm_ + arc_mm) / static_cast<double>(pieces_.size()) + edges_mm;
+  const double piece_mm = (way_mm_ + arc_mm) * per_piece_ + edges_mm;
   return {across_mm, across_mm + bounds_.cone_slope() * (back_mm_ + turned_mm), way_mm_ + turned_mm + line_.edge_mm,
           piece_mm};
 }
@@ -125,15 +125,19 @@ FreeMove SweptBounds::to_one_side(const Vec3& centre_mm, double radius_mm, unsig
     from += piece.ball_centre_mm * line_.axis;
   } else if (piece.per_back == 0.0) {
     from -= from.dot(line_.axis) * line_.axis;
+    free.axial = 0.0;
   } else {
     return free;
   }
   const double from_mm = from.norm();
   // Near by, most moves lead to some of its points.
   constexpr double kWorthIt = 0.7;
-  if (!(radius_mm < kWorthIt * from_mm)) return free;
-  free.side = from / from_mm;
-  free.angle_sine = radius_mm / from_mm;
+  if (radius_mm < kWorthIt * from_mm) {
+    free.side = from / from_mm;
+    free.angle_sine = radius_mm / from_mm;
+  } else if (free.axial == 0.0) {
+    free.angle_sine = 1.0;
+  }
   return free;
 }
 

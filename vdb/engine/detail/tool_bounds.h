@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -45,6 +46,11 @@ class ToolBounds {
   static constexpr std::size_t kMaxPieces = kMaxStretches;
   std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
   double radius_mm() const { return radius_mm_; }
+  /// Whether one piece is the cylinder of the tool's widest radius.
+  bool is_widest(unsigned pieces) const {
+    const Piece& piece = pieces_[static_cast<std::size_t>(std::countr_zero(pieces))];
+    return piece.ball_radius_mm == 0.0 && -piece.at_origin_mm == radius_mm_;
+  }
   double cone_offset_mm() const { return cone_offset_mm_; }
   /// How much larger than the tool's widest radius a ball is that a flat arc is of.
   double larger_ball_mm() const { return larger_ball_mm_; }
@@ -121,7 +127,7 @@ class SweptBounds {
   /// The same where the ball's bound from the body and its reach are known.
   FreeMove free_of_ball(const BitPlace& at, double radius_mm, double body_mm, const Reach& reach, double min_mm) const;
   /// A certificate, still without its lengths, of a ball that lies to one side of a ball or a cylinder: of `pieces`
-  /// where that is one alone. `angle_sine` is 1 where there is none. Lengths are to be by from_round_mm().
+  /// where that is one alone. It has no side where there is none. Lengths are to be by from_round_mm().
   FreeMove to_one_side(const Vec3& centre_mm, double radius_mm, unsigned pieces) const;
   /// Whether the bit holds all of a ball around `at` at the end of its way.
   bool holds_ball(const BitPlace& at, double radius_mm) const;
@@ -133,7 +139,8 @@ class SweptBounds {
   double way_mm_;  ///< of the tip, and its parts across the axis and back along it, at most
   double across_mm_;
   double back_mm_;
-  double angle_;  ///< of the turn, at most
+  double angle_;      ///< of the turn, at most
+  double per_piece_;  ///< how much of the way a piece is
 };
 
 }  // namespace spinaltap::detail

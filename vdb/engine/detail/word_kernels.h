@@ -17,7 +17,6 @@ struct WordTool {
   Piece pieces[kMaxPieces];
   std::size_t piece_count;
   float radius, cone_offset, cone_slope;
-  float skin;   ///< by which the outline that is swept is larger
   float spare;  ///< what rounding may hide, mm
 };
 
@@ -36,10 +35,9 @@ struct LeafPlace {
 
 /// What a word of 64 voxels came to.
 struct WordResult {
-  std::uint64_t unsure;  ///< of the living: the tool may have reached them
-  std::uint64_t dead;    ///< the tool holds them at the end of its way, or passed them
-  // Least bounds of the other living voxels; 1e15 or more without any. Of `pieces` alone where that is one.
-  float cylinder, cone, body;
+  std::uint64_t unsure;        ///< of the living: the tool may have reached them
+  std::uint64_t dead;          ///< the tool holds them at the end of its way
+  float cylinder, cone, body;  ///< least bounds of the other living voxels; 1e15 or more without any
 };
 
 struct LeafArguments {
@@ -49,16 +47,37 @@ struct LeafArguments {
   unsigned piece_count;               ///< of the way
   float cylinder, cone, body, piece;  ///< how near a voxel's lower bounds must be, see SweptBounds::Reach
   unsigned pieces;                    ///< bit n: piece n may have come near; one at least
-  bool wants_cylinder;                ///< else any bound of it will do
   float rest;                         ///< the leaf's least bound from the others
   const std::uint64_t* words;
-  unsigned due;  ///< bit x: look at word x
+};
+
+/// A ball or a cylinder without ends, as a leaf's voxels are put to it; all in voxels. Rows are the voxels along z, or
+/// along y, with y and z swapped in what is given: along an axis a cylinder's square does not bend.
+struct RoundPlace {
+  float first[3];   ///< the leaf's first voxel from the ball's centre, or from a place on the cylinder's axis near by
+  float axis[3];    ///< unit, from the base to the tip
+  float low, high;  ///< how far along the axis from that place the piece reaches
+};
+
+struct RowArguments {
+  static constexpr std::size_t kMostPlaces = LeafArguments::kMostPieces + 1;
+  bool is_ball;
+  bool along_y;
+  bool has_ends;                   ///< some of the leaf may lie beyond low or high
+  RoundPlace places[kMostPlaces];  ///< at the end of the tool's way, and at other moments of it
+  unsigned place_count;
+  float in_square, out_square;  ///< of the distance from a place that holds surely, and that may have been reached
+  float tolerance;              ///< of a place along a row
+  const std::uint64_t* words;
 };
 
 /// One set of instructions. All sets do the same operations: their results are the same bits.
 struct WordKernels {
   const char* name;
-  void (*look)(const LeafArguments& leaf, WordResult* words);
+  void (*look_at_words)(const LeafArguments& leaf, WordResult* words);
+  /// Adds to `dead` the living voxels that a place surely holds, to `unsure` others that may have been reached. Gives
+  /// the least square of all other living voxels' distance from the first place; 1e30 without any.
+  float (*look_at_rows)(const RowArguments& rows, std::uint64_t* dead, std::uint64_t* unsure);
 
   // Of machines that are no x86 the first alone.
   static WordKernels portable();

@@ -29,6 +29,7 @@ inline Floats choose(Lanes lanes, Floats there, Floats else_where) {
   return reinterpret_cast<Floats>(
       _mm512_mask_blend_ps(lanes, reinterpret_cast<__m512>(else_where), reinterpret_cast<__m512>(there)));
 }
+inline Lanes is_zero(Ints a) { return _mm512_cmpeq_epi32_mask(reinterpret_cast<__m512i>(a), _mm512_setzero_si512()); }
 inline Lanes living(std::uint64_t alive, unsigned bit) { return static_cast<Lanes>(alive >> bit); }
 inline std::uint64_t bits(Lanes lanes) { return lanes; }
 inline Floats roots(Floats squares) {
@@ -45,6 +46,7 @@ inline float least_of(Floats lanes) { return _mm512_reduce_min_ps(reinterpret_ca
 using Lanes = Ints;
 inline Lanes not_above(Floats a, Floats b) { return a <= b; }
 inline Floats choose(Lanes lanes, Floats there, Floats else_where) { return lanes ? there : else_where; }
+inline Lanes is_zero(Ints a) { return a == 0; }
 inline Lanes living(std::uint64_t alive, unsigned bit) {
   constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
   Ints lane_bit;
@@ -123,76 +125,6 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
   return (alive >> bit & kAllLanes) != 0;
 }
 
-/// Where nothing but a ball, or nothing but a cylinder, can have come near: squares decide, and of a voxel that the
-/// tool came near to its chord does (see SweptBit), whose nearest place to the ball's centre or the cylinder's axis is
-/// worked out. What lies within rounding of the wall, or passes beside the piece's ends, stays unsure.
-[[gnu::always_inline]] inline void look_round(const LeafArguments& leaf, const WordTool::Piece& piece, bool is_ball,
-                                              WordResult* words) {
-  const WordTool& tool = *leaf.tool;
-  const float centre = piece.ball_centre;
-  const float radius = is_ball ? piece.ball_radius : -piece.at_origin;
-  const float in = radius - tool.spare, out = radius + (tool.skin + tool.spare), near = radius + leaf.body;
-  const Floats in_square = all(in > 0.0F ? in * in : -1.0F), out_square = all(out * out),
-               near_square = all(near * near);
-  const Floats begin = all(piece.begin + tool.spare), end = all(piece.end - tool.spare);
-  const Floats far = all(1e30F);
-  for (unsigned word = 0; word < 8; ++word) {
-    if ((leaf.due >> word & 1U) == 0) continue;
-    const std::uint64_t alive = leaf.words[word];
-    const auto x = static_cast<float>(word);
-    const WordPlaces places(leaf, x);
-    Floats least_off = far, least = far;
-    std::uint64_t unsure_bits = 0, dead_bits = 0;
-    for (unsigned bit = 0; bit < 64; bit += kLanes) {
-      if (!has_living(alive, bit)) continue;
-      const Places at = places.at_end(bit);
-      const Floats up = at.back - centre;
-      const Floats off_square = at.a * at.a + at.b * at.b;
-      const Floats square = is_ball ? off_square + up * up : off_square;
-      const Lanes lives = living(alive, bit);
-      Lanes dead = lives & not_above(square, in_square) & not_above(begin, at.back) & not_above(at.back, end);
-      const Lanes near_ones = lives & ~dead & not_above(square, near_square);
-      Lanes unsure{};
-      if (bits(near_ones) != 0) {
-        Lanes passed{};
-        Places to = at;
-        for (unsigned way = places.last; way-- > 0;) {
-          const Places from = places.after[way].at(bit);
-          const Floats from_up = from.back - centre;
-          const Floats way_a = to.a - from.a, way_b = to.b - from.b, way_back = to.back - from.back;
-          Floats towards = from.a * way_a + from.b * way_b, length_square = way_a * way_a + way_b * way_b;
-          if (is_ball) {
-            towards = towards + from_up * way_back;
-            length_square = length_square + way_back * way_back;
-          }
-          const Floats share = less(more(Floats{} - towards / more(length_square, all(1e-30F)), Floats{}), all(1.0F));
-          const Floats a = from.a + share * way_a, b = from.b + share * way_b, back = from.back + share * way_back;
-          const Floats nearest_up = back - centre;
-          const Floats nearest_off = a * a + b * b;
-          const Floats nearest = is_ball ? nearest_off + nearest_up * nearest_up : nearest_off;
-          const Lanes held = not_above(nearest, in_square) & not_above(begin, back) & not_above(back, end);
-          passed |= held;
-          unsure |= not_above(nearest, out_square);
-          to = from;
-        }
-        passed &= near_ones;
-        unsure &= near_ones & ~passed;
-        unsure_bits |= bits(unsure) << bit;
-        dead |= passed;
-      }
-      dead_bits |= bits(dead) << bit;
-      const Lanes other = lives & ~dead & ~unsure;
-      if (!is_ball || leaf.wants_cylinder) least_off = less(least_off, choose(other, off_square, far));
-      if (is_ball) least = less(least, choose(other, square, far));
-    }
-    const float off = !is_ball || leaf.wants_cylinder ? __builtin_sqrtf(least_of(least_off)) : 0.0F;
-    const float from = (is_ball ? __builtin_sqrtf(least_of(least)) : off) - radius;
-    const float cylinder = off - tool.radius;
-    // Where there is no cone, or the cylinder bounds what is near, its bound is as good as the cone's.
-    words[word] = {unsure_bits, dead_bits, cylinder, cylinder, from};
-  }
-}
-
 /// Lower bounds of the distance from the tool.
 struct Bounds {
   Floats off, back, body, deep;
@@ -222,13 +154,12 @@ inline Bounds bounds_at(const LeafArguments& leaf, const Places& at) {
   return {off, at.back, body, deep};
 }
 
-/// Where several pieces may have come near.
-inline void look_all(const LeafArguments& leaf, WordResult* words) {
+void look_at_words(const LeafArguments& leaf, WordResult* words) {
   const WordTool& tool = *leaf.tool;
   const Floats far = all(1e30F);
   for (unsigned word = 0; word < 8; ++word) {
-    if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
+    if (alive == 0) continue;
     const auto x = static_cast<float>(word);
     const WordPlaces places(leaf, x);
     Floats least_cylinder = far, least_cone = far, least_body = far;
@@ -264,17 +195,170 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
   }
 }
 
-void look(const LeafArguments& leaf, WordResult* words) {
-  if ((leaf.pieces & (leaf.pieces - 1)) == 0) {
-    const WordTool::Piece& piece = leaf.tool->pieces[__builtin_ctz(leaf.pieces)];
-    if (piece.ball_radius > 0.0F) return look_round(leaf, piece, true, words);
-    if (piece.per_back == 0.0F) return look_round(leaf, piece, false, words);
+/// Rows of eight voxels, a lane each.
+typedef std::uint8_t Bytes __attribute__((vector_size(kLanes)));
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "byte n of a word is its row n");
+
+inline Ints rows_at(const std::uint64_t* words, unsigned row) {
+  Bytes bytes;
+  __builtin_memcpy(&bytes, reinterpret_cast<const unsigned char*>(words) + row, kLanes);
+  return __builtin_convertvector(bytes, Ints);
+}
+inline void put_rows(std::uint64_t* words, unsigned row, Ints rows) {
+  const Bytes bytes = __builtin_convertvector(rows, Bytes);
+  __builtin_memcpy(reinterpret_cast<unsigned char*>(words) + row, &bytes, kLanes);
+}
+inline bool has_any(const std::uint64_t* words, unsigned row) {
+  if (kLanes < 8) return (words[row / 8] >> (8 * (row % 8)) & 0xFFFFFFFFU) != 0;
+  std::uint64_t any = 0;
+  for (unsigned n = row / 8; n < (row + kLanes) / 8; ++n) any |= words[n];
+  return any != 0;
+}
+
+/// Words with y and z swapped, which are their own undoing.
+inline void swap_rows(std::uint64_t* words) {
+  for (unsigned n = 0; n < 8; ++n) {
+    std::uint64_t word = words[n];
+    std::uint64_t other = (word ^ word >> 7) & 0x00AA00AA00AA00AAU;
+    word ^= other ^ other << 7;
+    other = (word ^ word >> 14) & 0x0000CCCC0000CCCCU;
+    word ^= other ^ other << 14;
+    other = (word ^ word >> 28) & 0x00000000F0F0F0F0U;
+    words[n] = word ^ other ^ other << 28;
   }
-  look_all(leaf, words);
+}
+
+struct RowWords {
+  alignas(64) std::uint64_t words[8];
+  RowWords() : words{} {}
+  RowWords(const std::uint64_t* leaf, bool along_y) {
+    __builtin_memcpy(words, leaf, sizeof words);
+    if (along_y) swap_rows(words);
+  }
+};
+
+/// Where rows lie in their leaf.
+struct RowPlaces {
+  alignas(64) float x[64], y[64];
+};
+constexpr RowPlaces kRows = [] {
+  RowPlaces rows{};
+  for (unsigned n = 0; n < 64; ++n) {
+    rows.x[n] = static_cast<float>(n / 8);
+    rows.y[n] = static_cast<float>(n % 8);
+  }
+  return rows;
+}();
+
+/// Rows against a ball or a cylinder: the square of the distance is `square` + `bend` (z - `at`)^2.
+struct RowSquares {
+  Floats at, square, along;  ///< `along`: the axis, of z = 0
+};
+
+inline float bend_of(const RoundPlace& place, bool is_ball) {
+  return is_ball ? 1.0F : 1.0F - place.axis[2] * place.axis[2];
+}
+[[gnu::always_inline]] inline RowSquares squares_at(const RoundPlace& place, bool is_ball, float per_bend,
+                                                    unsigned row) {
+  const Floats x = *reinterpret_cast<const Floats*>(kRows.x + row) + place.first[0];
+  const Floats y = *reinterpret_cast<const Floats*>(kRows.y + row) + place.first[1];
+  const float z = place.first[2];
+  const Floats along = (x * place.axis[0] + y * place.axis[1]) + z * place.axis[2];
+  if (is_ball) return {all(-z), x * x + y * y, along};
+  const Floats slope = z - along * place.axis[2];
+  const Floats at = slope * -per_bend;
+  return {at, ((x * x + y * y) + (z * z - along * along)) + slope * at, along};
+}
+
+/// Whole part of what lies within 0 to 8, of the nearer of these else.
+inline Ints whole(Floats value) { return __builtin_convertvector(less(more(value, Floats{}), all(8.0F)), Ints); }
+inline Ints one_at(Ints bit) { return (Ints{} + 1) << bit; }
+/// Bits from the whole part of `begin` up to, without it, that of `end`.
+inline Ints bits_between(Floats begin, Floats end) {
+  const Ints bits = one_at(whole(end)) - one_at(whole(begin));
+  return bits > 0 ? bits : Ints{};
+}
+
+/// Which bit of a row is its highest; a float's exponent tells.
+inline Floats highest(Ints row) {
+  const Ints exponent = reinterpret_cast<Ints>(__builtin_convertvector(row, Floats)) >> 23;
+  return __builtin_convertvector(exponent - 127, Floats);
+}
+/// Least squares of rows' voxels: of the nearest on either side; 1e30 of rows without any.
+[[gnu::always_inline]] inline Floats nearest(const RowSquares& squares, float bend, Ints voxels) {
+  const Floats far = all(1e15F);
+  const Ints below = voxels & (one_at(whole(squares.at + 1.0F)) - 1);
+  const Ints above = voxels ^ below;
+  const Floats down = choose(is_zero(below), far, squares.at - highest(below));
+  const Floats up = choose(is_zero(above), far, highest(above & -above) - squares.at);
+  return squares.square + less(down * down, up * up) * bend;
+}
+
+/// Which voxels of rows lie no further off than the root of `square`, or surely nearer where `tolerance` is below 0.
+[[gnu::always_inline]] inline Ints within(const RowSquares& squares, float per_bend, float square, float tolerance,
+                                          Lanes rows) {
+  const Floats half_square = (square - squares.square) * per_bend;
+  const Floats half = choose(rows & not_above(Floats{}, half_square), roots(more(half_square, Floats{})), all(-1.0F));
+  // From the first voxel not before the begin to the last not behind the end.
+  return bits_between((squares.at - half) + (1.0F - tolerance), (squares.at + half) + (1.0F + tolerance));
+}
+
+/// Rows that lie between a place's ends.
+inline Lanes between_ends(const RowSquares& squares, const RoundPlace& place) {
+  const Floats last = squares.along + 7.0F * place.axis[2];
+  return not_above(all(place.low), less(squares.along, last)) & not_above(more(squares.along, last), all(place.high));
+}
+
+[[gnu::always_inline]] inline float look_at_rows(const RowArguments& rows, bool is_ball, const RowWords& living,
+                                                 RowWords& dead, RowWords& unsure) {
+  const Floats out = all(rows.out_square);
+  Floats least = all(1e30F);
+  for (unsigned row = 0; row < 64; row += kLanes) {
+    if (!has_any(living.words, row)) continue;
+    const Ints lives = rows_at(living.words, row);
+    Ints held{}, reached{};
+    RowSquares squares;
+    float bend = 1.0F;
+    for (unsigned n = rows.place_count; n-- > 0;) {
+      const RoundPlace& place = rows.places[n];
+      bend = bend_of(place, is_ball);
+      const float per_bend = 1.0F / bend;
+      squares = squares_at(place, is_ball, per_bend, row);
+      const Lanes near = not_above(squares.square, out);
+      if (bits(near) == 0) continue;
+      const Lanes between = rows.has_ends ? near & between_ends(squares, place) : near;
+      held |= within(squares, per_bend, rows.in_square, -rows.tolerance, between);
+      reached |= within(squares, per_bend, rows.out_square, rows.tolerance, near);
+    }
+    held &= lives;
+    reached &= lives & ~held;
+    put_rows(dead.words, row, held);
+    put_rows(unsure.words, row, reached);
+    least = less(least, nearest(squares, bend, lives ^ held ^ reached));
+  }
+  return least_of(least);
+}
+
+float look_at_rows(const RowArguments& rows, std::uint64_t* dead, std::uint64_t* unsure) {
+  const RowWords living(rows.words, rows.along_y);
+  RowWords dead_here, unsure_here;
+  const float least = rows.is_ball ? look_at_rows(rows, true, living, dead_here, unsure_here)
+                                   : look_at_rows(rows, false, living, dead_here, unsure_here);
+  if (rows.along_y) {
+    swap_rows(dead_here.words);
+    swap_rows(unsure_here.words);
+  }
+  for (unsigned n = 0; n < 8; ++n) {
+    dead[n] |= dead_here.words[n];
+    unsure[n] |= unsure_here.words[n];
+  }
+  return least;
 }
 
 }  // namespace
 
-WordKernels WordKernels::SPINALTAP_KERNEL_SET() { return {SPINALTAP_KERNEL_NAME, detail::look}; }
+WordKernels WordKernels::SPINALTAP_KERNEL_SET() {
+  return {SPINALTAP_KERNEL_NAME, detail::look_at_words, detail::look_at_rows};
+}
 
 }  // namespace spinaltap::detail
