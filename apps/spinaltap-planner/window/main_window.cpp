@@ -137,6 +137,8 @@ void MainWindow::make_status_bar() {
   statusBar()->addPermanentWidget(new JobBar(job, "", [this] { planner_.cancel(); }));
   hover_ = new QLabel;
   hover_->setObjectName("hover");
+  // Buttons beside it stay where they are while a pointer is on its way to them.
+  hover_->setMinimumWidth(fontMetrics().horizontalAdvance(tr("R 000.0  A 000.0  I 0000.0 mm   -1000 HU")));
   statusBar()->addPermanentWidget(hover_);
   connect(&job, &BackgroundJob::started, this, &MainWindow::update_actions);
   connect(&job, &BackgroundJob::finished, this, [this](bool is_done, const QString& why) {
