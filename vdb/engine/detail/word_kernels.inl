@@ -317,7 +317,7 @@ inline Lanes between_ends(const RowSquares& squares, const RoundPlace& place) {
     if (!has_any(living.words, row)) continue;
     const Ints lives = rows_at(living.words, row);
     Ints held{}, reached{};
-    RowSquares squares;
+    RowSquares squares{};
     float bend = 1.0F;
     for (unsigned n = rows.place_count; n-- > 0;) {
       const RoundPlace& place = rows.places[n];
