@@ -12,6 +12,8 @@
 namespace spinaltap {
 namespace {
 
+constexpr std::size_t kVecBytes = 3 * sizeof(double);
+
 // A pass goes over x poses while x / 11 are added. From three quarters of the memory on that leaves room for three
 // passes of which none helps; the third leaves out whatever it can.
 constexpr std::size_t kPosesAMove = 12;
@@ -45,7 +47,9 @@ double off_mm2(const Places& from, const Places& to, const Places& at) {
 
 MotionLog::MotionLog(std::size_t readers, std::size_t most)
     : most_(most),
-      numbers_(std::make_unique_for_overwrite<double[]>(kNumbers * most)),
+      tips_(std::make_unique_for_overwrite<double[]>(3 * most)),
+      axes_(std::make_unique_for_overwrite<double[]>(3 * most)),
+      axis_of_(std::make_unique_for_overwrite<std::uint32_t[]>(most)),
       marks_(std::make_unique_for_overwrite<std::uint16_t[]>(most)),
       readers_(readers, 0) {
   constexpr std::size_t kFewest = 256;
@@ -53,19 +57,26 @@ MotionLog::MotionLog(std::size_t readers, std::size_t most)
 }
 
 Pose MotionLog::pose(std::size_t index) const noexcept {
-  const double* const numbers = numbers_.get() + kNumbers * index;
-  Pose pose{Vec3(numbers[0], numbers[1], numbers[2]), Vec3(numbers[3], numbers[4], numbers[5])};
+  const std::size_t axis = axis_of_[index];
+  Pose pose{Eigen::Map<const Vec3>(tips_.get() + 3 * index), Eigen::Map<const Vec3>(axes_.get() + 3 * axis)};
   if (sides_) pose.side = Eigen::Map<const Vec3>(sides_.get() + 3 * index);
   return pose;
 }
 
 void MotionLog::set_pose(std::size_t index, const Pose& pose) noexcept {
-  double* const numbers = numbers_.get() + kNumbers * index;
-  for (int n = 0; n < 3; ++n) {
-    numbers[n] = pose.tip_mm[n];
-    numbers[3 + n] = pose.axis[n];
-    if (sides_) sides_[3 * index + static_cast<std::size_t>(n)] = pose.side[n];
+  Eigen::Map<Vec3>(tips_.get() + 3 * index) = pose.tip_mm;
+  set_axis(index, pose.axis.data());
+  if (sides_) Eigen::Map<Vec3>(sides_.get() + 3 * index) = pose.side;
+}
+
+void MotionLog::set_axis(std::size_t index, const double* axis) noexcept {
+  std::uint32_t place = 0;
+  if (index > 0) {
+    place = axis_of_[index - 1];
+    if (std::memcmp(axes_.get() + 3 * std::size_t{place}, axis, kVecBytes) != 0) ++place;
   }
+  std::memmove(axes_.get() + 3 * std::size_t{place}, axis, kVecBytes);
+  axis_of_[index] = place;
 }
 
 void MotionLog::begin(const DrillBit& bit, double max_jump_mm) {
@@ -146,8 +157,9 @@ double MotionLog::window_off_mm2(std::size_t to) const noexcept {
 void MotionLog::keep(std::size_t from) noexcept {
   const std::size_t to = write_++;
   if (from == to) return;
-  std::memcpy(numbers_.get() + kNumbers * to, numbers_.get() + kNumbers * from, kNumbers * sizeof(double));
-  if (sides_) std::memcpy(sides_.get() + 3 * to, sides_.get() + 3 * from, 3 * sizeof(double));
+  std::memcpy(tips_.get() + 3 * to, tips_.get() + 3 * from, kVecBytes);
+  set_axis(to, axes_.get() + 3 * std::size_t{axis_of_[from]});
+  if (sides_) std::memcpy(sides_.get() + 3 * to, sides_.get() + 3 * from, kVecBytes);
   marks_[to] = marks_[from];
 }
 

@@ -19,14 +19,15 @@ namespace {
 constexpr double kLoggedJumpMm = 50.0;
 const DrillBit kLoggedBurr{4.0, 60.0, 2.0, BitShape::round_burr, 0.0, 2.5};
 
-/// A hand that goes about in bone at some mm/s, and trembles.
+/// A hand that goes about in bone at some mm/s, and trembles. It turns for half of each second.
 std::vector<ToolMove> trembling_hand(std::size_t count, std::uint64_t seed = 1) {
   const Tremor tremor(0.1, seed);
   std::vector<ToolMove> moves(count);
   for (std::size_t n = 0; n < count; ++n) {
     const double time_s = 0.001 * static_cast<double>(n);
     const Vec3 slow_mm(8.0 * std::sin(0.31 * time_s), 6.0 * std::cos(0.17 * time_s), 3.0 * std::sin(0.05 * time_s));
-    const Vec3 axis = Vec3(0.1 * std::sin(0.7 * time_s), 0.2 * std::cos(0.4 * time_s), 1.0).normalized();
+    const double turned_s = 0.001 * static_cast<double>(n / 1000 * 500 + std::min<std::size_t>(n % 1000, 500));
+    const Vec3 axis = Vec3(0.1 * std::sin(0.7 * turned_s), 0.2 * std::cos(0.4 * turned_s), 1.0).normalized();
     moves[n] = {{Vec3(40.0, 200.0, -600.0) + slow_mm + tremor.at_mm(time_s), axis}, true};
   }
   return moves;
@@ -38,7 +39,8 @@ double segment_off_mm(const Vec3& a, const Vec3& b, const Vec3& p) {
   return (a + t * way - p).norm();
 }
 
-/// How far poses of `moves` are, at tip and base, from the kept way at most. Kept poses are some of them, in order.
+/// How far poses of `moves` are, at tip and base, from the kept way at most. Kept poses are some of them, in order;
+/// infinite where they are not.
 double greatest_off_mm(std::span<const ToolMove> moves, const std::vector<Pose>& kept) {
   const auto base_mm = [](const Pose& pose) -> Vec3 { return pose.tip_mm - kLoggedBurr.length_mm * pose.axis; };
   double greatest_mm = 0.0;
@@ -49,6 +51,7 @@ double greatest_off_mm(std::span<const ToolMove> moves, const std::vector<Pose>&
       greatest_mm = std::max({greatest_mm, segment_off_mm(kept[n].tip_mm, kept[n + 1].tip_mm, pose.tip_mm),
                               segment_off_mm(base_mm(kept[n]), base_mm(kept[n + 1]), base_mm(pose))});
     }
+    if (at < moves.size() && moves[at].pose.axis != kept[n + 1].axis) return std::numeric_limits<double>::infinity();
   }
   return at < moves.size() ? greatest_mm : std::numeric_limits<double>::infinity();
 }
