@@ -183,6 +183,7 @@ void add_bake(CLI::App& program, Command& command) {
   all->excludes("--label")->excludes("--crop-margin");
   app->add_flag("--strict", options->is_strict, "With --all: write nothing where a vertebra would be left out")
       ->needs(all);
+  command.after_stop = "what is finished is kept; the same command goes on";
   command.outputs = [options]() -> std::vector<std::filesystem::path> {
     const std::filesystem::path output = options->output_or_default();
     if (!options->is_all || output.extension() == ".vdb") return {output};

@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "apps/spinaltap/did_you_mean.h"
 #include "core/base/progress.h"
 #include "core/files/json_file.h"
 
@@ -31,6 +33,7 @@ struct Command {
   /// Does the work and returns the figures for --json.
   std::function<Json(const Progress&)> run;
   int exit_code = kDone;  ///< of the program after run(), which may set it
+  std::string after_stop = "nothing was written; the same command begins again";  ///< said after Ctrl-C
 };
 
 /// Adds a subcommand with the options that all have. `footer` shows an example.
@@ -71,19 +74,28 @@ std::vector<std::filesystem::path> outputs_of(const Command& command);
 /// Before the work: throws Error on an output that is there already, unless --force was given, and where --json cannot
 /// be written.
 void check_outputs(const Command& command);
+/// Before the work: throws Error where a bone, a plan, a record, a CT or a study is by its content another of these.
+void check_inputs(const CLI::App& app);
 
-/// Takes a name and makes it the value that a map has for it; help shows the names only.
+/// Takes a name and makes it the value that a map has for it; help shows the names only, errors those and the nearest.
 template <class Map>
-CLI::CheckedTransformer one_of(const Map& values) {
-  std::string names, by_value;
+CLI::Validator one_of(const Map& values) {
+  std::vector<std::string> names, numbers;
+  std::string listed, by_value;
   for (const auto& [name, value] : values) {
-    names += (names.empty() ? "{" : ",") + std::string(name);
-    by_value += ";" + CLI::detail::value_string(value) + "=" + std::string(name);
+    names.emplace_back(name);
+    numbers.push_back(CLI::detail::value_string(value));
+    listed += (listed.empty() ? "" : ",") + names.back();
+    by_value += ";" + numbers.back() + "=" + names.back();
   }
-  CLI::CheckedTransformer transformer(values);
-  transformer.description(names + "}");
-  transformer.name(by_value + ";");  // CLI11 keeps the value only: shown_command() finds the name again
-  return transformer;
+  const auto take = [names, numbers, listed](std::string& text) -> std::string {
+    const auto found = std::ranges::find(names, text);
+    if (found == names.end()) return "expected one of " + listed + ", found " + text + did_you_mean(text, names);
+    text = numbers[static_cast<std::size_t>(found - names.begin())];
+    return {};
+  };
+  // CLI11 keeps the value only: by the validator's own name shown_command() finds the value's again.
+  return {take, "{" + listed + "}", by_value + ";"};
 }
 
 /// Prints "name value unit" in columns on standard output.

@@ -41,6 +41,45 @@ std::string level_or(Level level, const std::string& otherwise) {
 
 void heading(const char* text) { std::printf("%s\n", text); }
 
+/// spinaltap-demo, or spinaltap-demo-2 and so on where that holds an earlier demonstration, or anything else.
+std::filesystem::path free_folder(const std::filesystem::path& wanted) {
+  namespace fs = std::filesystem;
+  fs::path folder = wanted;
+  for (int n = 2; fs::exists(fs::symlink_status(folder)) && !(fs::is_directory(folder) && fs::is_empty(folder)); ++n) {
+    folder = wanted.string() + "-" + std::to_string(n);
+  }
+  return folder;
+}
+
+/// What is typed for this program here.
+std::string program_as_typed() {
+  namespace fs = std::filesystem;
+  const fs::path program = fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "bin/spinaltap";
+  const std::string from_here = fs::proximate(program).string();
+  return from_here.starts_with("..") ? program.string() : from_here;
+}
+
+void say_what_to_open(const std::filesystem::path& page) {
+  std::printf("open  %s\n", std::filesystem::absolute(page).lexically_normal().c_str());
+}
+
+/// The last lines: what to look at, and what to type next.
+void say_what_next(const DemoOptions& options, bool is_phantom) {
+  const std::string program = program_as_typed();
+  const std::string bone = (options.folder / "bone.vdb").string(), plan = (options.folder / "plan.json").string();
+  say_what_to_open(options.folder / "report.html");
+  std::printf("next: %s drill %s %s --operator push -o pushed    # with a force: the feed follows from the bone\n",
+              program.c_str(), bone.c_str(), plan.c_str());
+  if (is_phantom) {
+    std::printf(
+        "next: %s demo path/to/dicom --seed-point X,Y,Z    # your CT; a point in the vertebra's body, LPS, mm\n",
+        program.c_str());
+  } else {
+    std::printf("next: %s grade %s %s -o graded    # clearances and grades of its paths\n", program.c_str(),
+                bone.c_str(), plan.c_str());
+  }
+}
+
 Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   Json figures = Json::object();
   StageClock clock;
@@ -100,6 +139,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
       output.commit();
       clock.end("planned");
       figures["times"] = report_times(clock);
+      say_what_to_open(options.folder / "plan.html");
       exit_code = kAnswerIsNo;
       return figures;
     }
@@ -122,6 +162,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     exit_code = std::max(exit_code, say_suspect(level_name(baked.level), *baked.warnings, accepts_warnings));
   }
   figures["times"] = report_times(clock);
+  say_what_next(options, phantom.has_value());
   return figures;
 }
 
@@ -136,13 +177,24 @@ void add_demo(CLI::App& program, Command& command) {
   app->add_option("ct", options->ct.folder,
                   "Folder with a DICOM CT series, or a NIfTI, NRRD or MetaImage file; default: a phantom")
       ->type_name("PATH");
-  app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
+  CLI::Option* const output =
+      app->add_option("-o,--output", options->folder,
+                      "Folder for the results; where it is left out and the default is there already, the next free\n"
+                      "one: spinaltap-demo-2, ...")
+          ->capture_default_str()
+          ->type_name("FOLDER");
   options->ct.add_reading(*app);
   options->ct.add_baking(*app);
   options->path.add_to(*app);
   options->drill.add_to(*app);
 
-  app->parse_complete_callback([options, app] { options->command = shown_command(*app); });
+  app->parse_complete_callback([options, output, app, &command] {
+    options->command = shown_command(*app);
+    if (output->count() > 0 || command.is_forced) return;
+    options->folder = free_folder(options->folder);
+    output->default_str(options->folder.string());  // what is asked whether it is there
+  });
+  command.after_stop = "at most the phantom was written; the same command begins again, in a folder of its own";
   command.run = [options, &command](const Progress& progress) { return demo(*options, progress, command.exit_code); };
 }
 

@@ -66,6 +66,7 @@ void add_drill(CLI::App& program, Command& command) {
   options->check.add_force_path(*app);
   options->check.add_accept_warnings(*app);
 
+  command.after_stop = "nothing was written but the cycles of a --record; the same command begins again";
   command.outputs = [options] { return std::vector{options->drill.record}; };
   command.run = [options, &command](const Progress& progress) {
     StageClock clock;

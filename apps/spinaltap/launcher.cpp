@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv) {
   constexpr int kUsageOrInput = 2;  // as in command.h, without what that includes
-  if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
+  if (argc == 2 && (std::strcmp(argv[1], "--version") == 0 || std::strcmp(argv[1], "version") == 0)) {
     std::puts("spinaltap " SPINALTAP_VERSION);
     return 0;
   }

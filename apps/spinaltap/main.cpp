@@ -9,6 +9,7 @@
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "apps/spinaltap/cluster/study_commands.h"
 #include "apps/spinaltap/command.h"
@@ -43,8 +44,13 @@ void print_figure(const std::string& name, const std::string& value) {
 
 namespace {
 
-/// Libraries speak of their options' names; who types commands knows them as flags.
-std::string with_flags(std::string text) {
+/// Libraries speak of their options' names, and of the folders that outputs are staged in; who types commands knows
+/// flags, and files by their last names.
+std::string as_typed(std::string text) {
+  constexpr std::string_view kStaged = ".spinaltap-partial-";
+  if (const std::size_t at = text.find(kStaged); at != std::string::npos) {
+    if (const std::size_t end = text.find('/', at); end != std::string::npos) text.erase(at, end + 1 - at);
+  }
   for (const auto& [name, flag] :
        {std::pair{"CtReadOptions::series", "--series"}, std::pair{"CtReadOptions::stack", "--stack"},
         std::pair{"CtReadOptions::resample", "--resample"},
@@ -62,7 +68,8 @@ int run_program(int argc, char** argv) {
       "Lengths are in mm, positions in patient LPS (x to the patient's left, y to the back, z to the head).\n"
       "Research and training software, not a medical device.");
   program.name("spinaltap");
-  program.set_version_flag("--version", std::string("spinaltap ") + version());
+  const std::string version_line = std::string("spinaltap ") + version();
+  program.set_version_flag("--version", version_line);
   program.require_subcommand(1);
 
   std::array<Command, 30> commands;
@@ -96,22 +103,35 @@ int run_program(int argc, char** argv) {
   add_study_submit(program, commands[27]);
   add_study_status(program, commands[28]);
   add_study_resume(program, commands[29]);
+  std::vector<std::string> help_words;
+  CLI::App* const help = program.add_subcommand("help", "Show how a command is used: spinaltap help bake");
+  help->add_option("command", help_words, "Its name, such as bake, or study submit");
+  CLI::App* const show_version = program.add_subcommand("version", "Print the version");
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
-    std::fprintf(stderr, "spinaltap: %s (try --help)\n", error.what());
+    std::fprintf(stderr, "spinaltap: %s\n", usage_error(program, error).c_str());
     return kUsageOrInput;
   }
+  if (help->parsed()) std::fputs(help_on(program, help_words).c_str(), stdout);
+  if (show_version->parsed()) std::puts(version_line.c_str());
   for (const Command& command : commands) {
     if (!command.app->parsed() || !command.app->get_subcommands().empty()) continue;
     check_outputs(command);
+    check_inputs(*command.app);
     std::unique_ptr<tbb::global_control> limit;
     if (command.threads > 0) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                     static_cast<std::size_t>(command.threads));
     }
-    const Json figures = command.run(terminal_progress());
+    Json figures;
+    try {
+      figures = command.run(terminal_progress());
+    } catch (const Cancelled&) {
+      std::fprintf(stderr, "spinaltap: %s stopped: %s\n", command.app->get_name().c_str(), command.after_stop.c_str());
+      return kCancelled;
+    }
     if (!command.json_file.empty()) {
       Json file = format_head({.name = "spinaltap-figures"});
       file.update(figures);
@@ -129,16 +149,13 @@ int main(int argc, char** argv) {
   spinaltap::allow_process_changes({.silences_decoders = true, .silences_hdf5_at_exit = true});
   try {
     return spinaltap::run_program(argc, argv);
-  } catch (const spinaltap::Cancelled&) {
-    std::fprintf(stderr, "spinaltap: cancelled\n");
-    return spinaltap::kCancelled;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "spinaltap: not enough memory\n");
   } catch (const spinaltap::Error& error) {
-    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
+    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::as_typed(error.what()).c_str());
     if (error.kind() == spinaltap::ErrorKind::internal) return spinaltap::kInternal;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
+    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::as_typed(error.what()).c_str());
   }
   return spinaltap::kUsageOrInput;
 }

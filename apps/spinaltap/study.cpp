@@ -160,6 +160,7 @@ void add_study(CLI::App& program, Command& command) {
   app->parse_complete_callback([app, options] {
     if (app->get_subcommands().empty() && options->spec.empty()) throw CLI::RequiredError("spec");
   });
+  command.after_stop = "the runs that are done are kept; the same command goes on";
   command.run = [options, &command](const Progress& progress) { return run_study(*options, command, progress); };
 }
 

@@ -302,6 +302,25 @@ TEST_F(Errors, NothingThatIsWrittenTellsWhoseCtItIs) {
   }
 }
 
+TEST_F(Errors, ADemonstrationWithoutAFolderLeavesAnEarlierOneAlone) {
+  fs::create_directory(in("spinaltap-demo"));
+  write_whole_file(in("spinaltap-demo/report.html"), "years of work");
+  const std::string demo =
+      "demo ct --labels ball.nrrd --voxel 0.5 --entry 16,26,16 --target 16,18,16 --radius 2 --spacing 0.2 --step 0.02 "
+      "--no-pictures";
+  for (const char* folder : {"spinaltap-demo-2", "spinaltap-demo-3"}) {
+    const ProgramRun run = run_program(demo, folder_.path());
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_THAT(run.output, HasSubstr("open  " + (in(folder) / "report.html").string() + "\n"));
+    EXPECT_THAT(run.output, HasSubstr("drill " + std::string(folder) + "/bone.vdb"));
+    EXPECT_TRUE(fs::exists(in(folder) / "files.txt"));
+  }
+  EXPECT_EQ(read_whole_file(in("spinaltap-demo/report.html")), "years of work");
+  const ProgramRun named = run_program(demo + " -o spinaltap-demo", folder_.path());
+  EXPECT_EQ(named.exit_code, 2);
+  EXPECT_THAT(named.errors, HasSubstr("is there already"));
+}
+
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
   const ProgramRun run = run_program(std::string(kBakeCt) + " -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
