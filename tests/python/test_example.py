@@ -2,8 +2,10 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path as FilePath
 
@@ -69,6 +71,23 @@ class Environment(unittest.TestCase):
 
     def test_stands_in_the_guide(self):
         self.assertIn("```python\n" + ENVIRONMENT.read_text() + "```", (ROOT / "docs" / "learning.md").read_text())
+
+
+class WrongPython(unittest.TestCase):
+    def test_is_named_with_the_one_that_it_was_built_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            package = FilePath(folder) / "spinaltap"
+            package.mkdir()
+            shutil.copy(ROOT / "apps" / "python" / "spinaltap" / "__init__.py", package)
+            other = "_core.cpython-399-x86_64-linux-gnu.so"
+            (package / other).touch()
+            said = subprocess.run(
+                [sys.executable, "-c", "import spinaltap"],
+                env={**os.environ, "PYTHONPATH": folder}, cwd=folder, capture_output=True, text=True,
+            )
+        self.assertNotEqual(said.returncode, 0)
+        self.assertIn(f"built for another Python: found {other}", said.stderr)
+        self.assertIn(sys.executable, said.stderr.splitlines()[-1])
 
 
 if __name__ == "__main__":

@@ -12,9 +12,20 @@ say what it is about, and are also what Python people expect: FileNotFoundError,
 docs/python.md is the guide.
 """
 
+import sys as _sys
+from importlib.machinery import EXTENSION_SUFFIXES as _SUFFIXES
 from pathlib import Path as _FilePath
 
-from . import _core
+try:
+    from . import _core
+except ImportError as _error:
+    _built = sorted(path.name for path in _FilePath(__file__).parent.glob("_core*.so"))
+    if any(name == "_core" + suffix for name in _built for suffix in _SUFFIXES):
+        raise  # it is for this Python, and lacks something else
+    raise ImportError(
+        f"spinaltap was built for another Python: found {', '.join(_built) or 'no _core'}, expected "
+        f"_core{_SUFFIXES[0]} for {_sys.executable}. ./run python builds it for /usr/bin/python3: begin with that"
+    ) from _error
 from ._core import (
     CYCLE,
     EVENT,
