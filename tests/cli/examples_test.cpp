@@ -73,8 +73,8 @@ TEST_F(Examples, BakeAndDrillGivesForcesAtEachStepInFifteenLines) {
   EXPECT_LE(lines_of_code, 15U);
 }
 
-TEST_F(Examples, HapticLoopInCMillsWithoutAPathAndStandsInTheGuide) {
-  const test::ProgramRun run = example("haptic_loop_c", "bone.vdb");
+TEST_F(Examples, ToolChangeInCMillsWithoutAPathAndStandsInTheGuide) {
+  const test::ProgramRun run = example("tool_change_c", "bone.vdb");
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("voxels of 0.2 mm of the whole bone, for no path"));
   double time_s = 0.0, most_n = 0.0;
@@ -86,14 +86,15 @@ TEST_F(Examples, HapticLoopInCMillsWithoutAPathAndStandsInTheGuide) {
   EXPECT_NEAR(time_s, 5.0, 0.01);
   EXPECT_GT(most_n, 1.0);
   EXPECT_GE(events, 2U) << "contact and a change of tools";
+  EXPECT_EQ(example("tool_change", "bone.vdb").output, run.output) << "in C++";
   const auto text_of = [](const char* file) {
     std::ifstream stream(std::string(test::kSourceFolder) + file);
     std::ostringstream text;
     text << stream.rdbuf();
     return text.str();
   };
-  EXPECT_THAT(text_of("/docs/c-interface.md"), HasSubstr("```c\n" + text_of("/apps/examples/haptic_loop.c") + "```"));
-  EXPECT_EQ(example("haptic_loop_c", "none.vdb").exit_code, 2);
+  EXPECT_THAT(text_of("/docs/c-interface.md"), HasSubstr("```c\n" + text_of("/apps/examples/tool_change.c") + "```"));
+  EXPECT_EQ(example("tool_change_c", "none.vdb").exit_code, 2);
 }
 
 TEST_F(Examples, HapticLoopDrillsAgainstTheClock) {
@@ -221,10 +222,27 @@ TEST_F(Examples, StandInTheirGuides) {
     return text.str();
   };
   const std::map<std::string, std::string> guides{
-      {"haptic_loop.cpp", "simulators.md"}, {"robot.cpp", "robots.md"}, {"openvdb_grids.cpp", "bone-vdb.md"}};
+      {"haptic_loop.cpp", "simulators.md"}, {"robot.cpp", "robots.md"},
+      {"openvdb_grids.cpp", "bone-vdb.md"}, {"tool_change.cpp", "tool-change.md"},
+      {"study.cpp", "study-program.md"},    {"surface_blocks.cpp", "surface-blocks.md"}};
   for (const auto& [source, guide] : guides) {
     EXPECT_THAT(text_of("../../docs/" + guide), HasSubstr("```cpp\n" + text_of(source) + "```")) << guide;
   }
+}
+
+TEST_F(Examples, SurfaceBlocksKeepWhatARendererDraws) {
+  const test::ProgramRun run = example("surface_blocks", "bone.vdb plan.json drilled.ply");
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  std::size_t whole = 0, changed = 0, triangles = 0, walls = 0;
+  ASSERT_EQ(
+      std::sscanf(run.output.c_str(), "%zu blocks at first, %zu changed; %zu triangles, %zu of them drilled walls",
+                  &whole, &changed, &triangles, &walls),
+      4)
+      << run.output;
+  EXPECT_GT(changed, 10U);
+  EXPECT_GT(walls, 1000U) << "a hole of 3 mm";
+  const TriangleMesh mesh = read_mesh(folder_->path() / "drilled.ply");
+  EXPECT_EQ(mesh.triangles.size(), triangles);
 }
 
 TEST_F(Examples, StudyCountsBreaches) {

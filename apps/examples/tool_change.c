@@ -1,4 +1,4 @@
-/* haptic_loop_c BONE: a thousand cycles a second of a burr in a hand, without a planned path, through the C interface;
+/* tool_change BONE: a thousand cycles a second of a burr in a hand, without a planned path, through the C interface;
  * a pedal changes the burr, and a renderer takes the surface. The "hand" here goes straight down from above the bone.
  */
 #include <spinaltap/spinaltap_c.h>

@@ -1,0 +1,48 @@
+# cmake -P: whether programs that were built against the C header BEFORE go on with that of NOW and the library LIBRARY:
+# by abidiff (abigail-tools) of what CC makes of both. New functions are fine. A struct that has grown at its end, which
+# the promise allows (docs/versions.md), is a difference too: look, and let BEFORE have it. In WORK_DIR.
+cmake_minimum_required(VERSION 3.25)
+file(REMOVE_RECURSE ${WORK_DIR})
+
+# A shared library of pointers to all functions of a header, and of arrays as long as its constants are great.
+function(describe name header)
+  file(MAKE_DIRECTORY ${WORK_DIR}/${name})
+  configure_file(${header} ${WORK_DIR}/${name}/spinaltap_c.h COPYONLY)
+  file(READ ${header} text)
+  string(REGEX REPLACE "/\\*([^*]|\\*[^/])*\\*/" "" text "${text}")
+  string(REGEX MATCHALL "spinaltap_[a-z_]+\\(" functions "${text}")
+  string(REGEX MATCHALL "SPINALTAP_[A-Z_]+ = " constants "${text}")
+  list(LENGTH functions count)
+  list(LENGTH constants constant_count)
+  if(count LESS 30 OR constant_count LESS 10)
+    message(FATAL_ERROR "${header}: found ${count} functions and ${constant_count} constants: it was not read")
+  endif()
+  set(source "#include \"spinaltap_c.h\"\n")
+  foreach(function IN LISTS functions)
+    string(REPLACE "(" "" function ${function})
+    string(APPEND source "__typeof__(${function})* const at_${function} = ${function};\n")
+  endforeach()
+  foreach(constant IN LISTS constants)
+    string(REPLACE " = " "" constant ${constant})
+    string(APPEND source "const char value_${constant}[1 + ${constant}] = {0};\n")
+  endforeach()
+  file(WRITE ${WORK_DIR}/${name}/all.c "${source}")
+  execute_process(COMMAND ${CC} -g -shared -fPIC -Wl,--unresolved-symbols=ignore-all -o lib.so all.c
+                  WORKING_DIRECTORY ${WORK_DIR}/${name} COMMAND_ERROR_IS_FATAL ANY)
+  set(functions "${functions}" PARENT_SCOPE)
+endfunction()
+
+describe(now ${NOW})
+execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE exported COMMAND_ERROR_IS_FATAL ANY)
+foreach(function IN LISTS functions)
+  string(REPLACE "(" "" function ${function})
+  if(NOT exported MATCHES " T ${function}\n")
+    message(FATAL_ERROR "${LIBRARY} has no ${function}()")
+  endif()
+endforeach()
+describe(before ${BEFORE})
+execute_process(COMMAND ${ABIDIFF} --no-added-syms before/lib.so now/lib.so WORKING_DIRECTORY ${WORK_DIR}
+                RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${NOW} is other than ${BEFORE}:\n${output}")
+endif()
