@@ -157,7 +157,7 @@ TEST_F(Heat, RejectsWhatMakesNoSense) {
   rejected(kDrill + "--peck-pause 2", "expected --peck");
   rejected(kDrill + "--heat --additional-bone bone.vdb", "--additional-bone");
   rejected(kDrill + "--heat --thermal-bone plan.json", "plan.json");
-  rejected("heat plan.json bone.vdb", "expected an HDF5 file");
+  rejected("heat plan.json bone.vdb", "expected spinaltap heat RECORD BONE: plan.json is a plan");
   rejected("heat run.h5 bone.vdb --voxel 0", "--voxel");
   test::write_bone_ball(folder_->path() / "other.vdb", kBoneRadiusMm + 0.01);
   rejected("heat run.h5 other.vdb", "expected the bone that was drilled in run.h5");

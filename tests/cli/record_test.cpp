@@ -90,7 +90,7 @@ TEST_F(Record, RejectsAnotherBoneAndWhatIsNoRecord) {
   EXPECT_THAT(other.errors, AllOf(HasSubstr("record run.h5"), HasSubstr("another patient's")));
   const test::ProgramRun none = run("replay plan.json bone.vdb");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_THAT(none.errors, HasSubstr("expected an HDF5 file"));
+  EXPECT_THAT(none.errors, HasSubstr("expected spinaltap replay RECORD BONE: plan.json is a plan"));
   const std::string bytes = read_whole_file(folder_->path() / "run.h5");
   write_whole_file(folder_->path() / "half.h5", bytes.substr(0, bytes.size() / 2));
   EXPECT_EQ(run("replay half.h5 bone.vdb").exit_code, 2);

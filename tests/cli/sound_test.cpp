@@ -162,7 +162,7 @@ TEST_F(Sound, LeavesNothingBehindWhereItCannotBeMade) {
   };
   rejected("", "record is required");
   rejected("none.h5 -o x.wav", "none.h5");
-  rejected("plan.json -o x.wav", "expected an HDF5 file");
+  rejected("plan.json -o x.wav", "expected spinaltap sound RECORD: plan.json is a plan");
   rejected("half.h5 -o x.wav", "half.h5");
   rejected("run.h5 -o mine.wav", "is there already");
   rejected("run.h5 -o x.wav --events mine.wav", "is there already");
