@@ -1,7 +1,5 @@
 #include "apps/spinaltap-planner/background_job.h"
 
-#include <sys/resource.h>
-
 #include <QEventLoop>
 #include <QMetaObject>
 #include <algorithm>
@@ -60,9 +58,6 @@ void BackgroundJob::start(const QString& what, std::function<std::function<void(
         this, [this, name, share] { Q_EMIT progressed(name, share); }, Qt::QueuedConnection);
   });
   thread_ = std::thread([this, work = std::move(work), progress = progress_] {
-    // On Linux of this thread alone: the window's comes first. Where it is not allowed, nothing is lost.
-    constexpr int kBehindTheWindow = 10;
-    (void)::setpriority(PRIO_PROCESS, 0, kBehindTheWindow);
     std::function<void()> deliver;
     QString trouble;
     bool was_cancelled = false;
