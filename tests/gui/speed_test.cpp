@@ -118,7 +118,8 @@ class LongestGap {
     });
     beat_.start(5);
   }
-  /// The longest since the last call, ms; prints it, and how many were over 50 ms.
+  /// The longest since the last call in which the thread had a core, ms: what other programs take is not the window's.
+  /// Prints it, the longest of all, and how many were over 50 ms.
   double take(const char* what) {
     std::sort(gaps_ms_.begin(), gaps_ms_.end());
     const double longest = gaps_ms_.empty() ? 0.0 : gaps_ms_.back();
@@ -126,8 +127,7 @@ class LongestGap {
     std::printf("%s: longest gap between events %.0f ms (%.0f ms where the thread had a core), %td over 50 ms of %zu\n",
                 what, longest, longest_at_work_ms_, long_ones, gaps_ms_.size());
     gaps_ms_.clear();
-    longest_at_work_ms_ = 0.0;
-    return longest;
+    return std::exchange(longest_at_work_ms_, 0.0);
   }
 
  private:
