@@ -153,6 +153,7 @@ TEST_F(PlannerCt, AllAreBakedAndTheFirstIsShown) {
 TEST_F(PlannerCt, SearchAndBakesCanBeCancelled) {
   drop(spine_folder());
   ASSERT_TRUE(wait_until([&] { return child<QToolButton>("levelsCancel").isVisible(); }, 60000));
+  let_work(100);  // it is laid out
   input.click(child<QToolButton>("levelsCancel"));
   ASSERT_TRUE(wait_until([&] { return !planner().is_working(); }, 60000));
   EXPECT_EQ(levels().search(), CtLevels::Search::cancelled);
