@@ -97,7 +97,7 @@ std::string unknown_command(const CLI::App& program, const CLI::App& app, const 
   if (const std::string near = did_you_mean(word, names); !near.empty()) return text + near;
   for (const CLI::App* command : program.get_subcommands(is_shown)) {
     for (const std::string& name : command_names(*command)) {
-      if (name == word) return text + "; did you mean " + command->get_name() + " " + name + "?";
+      if (name == word) return joined(text, "; did you mean ", command->get_name(), " ", name, "?");
     }
   }
   return text;
