@@ -15,6 +15,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/vdb/sim/session_ball.h"
 #include "vdb/sim/build_session.h"
+#include "vdb/sim/recorded_hole.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {
