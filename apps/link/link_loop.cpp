@@ -28,7 +28,7 @@ class LinkLoop {
         server_(server),
         options_(options),
         observe_(observe),
-        hearing_{Tracking(options.tracking)},
+        receiver_{Tracking(options.tracking)},
         has_side_(session.path().bit.is_plate()) {}
 
   void run(const std::atomic<bool>& stops);
@@ -39,7 +39,7 @@ class LinkLoop {
   void fetch();
   void run_cycle(const Pose& pose);
   void tell_cycle(const Cycle& cycle);
-  void tell_events() { teller_.tell_events(session_, output_, server_); }
+  void tell_events() { sender_.tell_events(session_, output_, server_); }
   void tell_state(std::int64_t now_ns);
   std::int64_t next_wake_ns(std::int64_t now_ns) const;
 
@@ -47,8 +47,8 @@ class LinkLoop {
   LinkServer& server_;
   const LinkLoopOptions& options_;
   const CycleObserver& observe_;
-  LinkReceiver hearing_;
-  LinkSender teller_;
+  LinkReceiver receiver_;
+  LinkSender sender_;
   bool has_side_;
 
   bool has_new_tool_ = false;
@@ -67,7 +67,7 @@ class LinkLoop {
 void LinkLoop::fetch() {
   LinkInput input;
   while (server_.take(input)) {
-    if (!hearing_.take(input)) continue;
+    if (!receiver_.take(input)) continue;
     ++report_.poses;
     if (has_new_tool_) ++report_.merged;
     has_new_tool_ = true;
@@ -82,14 +82,14 @@ void LinkLoop::run(const std::atomic<bool>& stops) {
   }
   const std::int64_t start_ns = wall_ns();
   const auto min_period_ns = static_cast<std::int64_t>(0.5e9 / options_.rate_hz);
-  while (!stops && !hearing_.is_ended) {
+  while (!stops && !receiver_.is_ended) {
     std::int64_t now_ns = wall_ns();
     clock_s_.store(seconds_between(start_ns, now_ns), std::memory_order_relaxed);
     if (seconds_between(start_ns, now_ns) >= options_.longest_s) break;
     fetch();
     if (has_new_tool_ && now_ns - last_cycle_ns_ >= min_period_ns) {
       has_new_tool_ = false;
-      if (std::optional<Pose> pose = hearing_.tracking.pose(now_ns)) {
+      if (std::optional<Pose> pose = receiver_.tracking.pose(now_ns)) {
         if (!has_side_) pose->side = Vec3::Zero();
         run_cycle(*pose);
       } else {
@@ -98,12 +98,12 @@ void LinkLoop::run(const std::atomic<bool>& stops) {
     }
     now_ns = wall_ns();
     tell_state(now_ns);
-    if (!hearing_.is_ended) server_.wait(has_new_tool_ ? last_cycle_ns_ + min_period_ns : next_wake_ns(now_ns));
+    if (!receiver_.is_ended) server_.wait(has_new_tool_ ? last_cycle_ns_ + min_period_ns : next_wake_ns(now_ns));
   }
   tell_events();
   report_.seconds = seconds_between(start_ns, wall_ns());
   report_.step_time = steps_.spread();
-  report_.is_ended = hearing_.is_ended;
+  report_.is_ended = receiver_.is_ended;
 }
 
 void LinkLoop::run_cycle(const Pose& pose) {
@@ -116,7 +116,7 @@ void LinkLoop::run_cycle(const Pose& pose) {
   if (!is_first) report_.longest_gap_s = std::max(report_.longest_gap_s, since_s);
   last_arrival_ns_ = tool_.arrival_ns;
   const Cycle& cycle =
-      session_.step_input({pose, hearing_.spindle_on && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
+      session_.step_input({pose, receiver_.spindle_on && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
   ++report_.cycles;
   tell_cycle(cycle);
   if (observe_) observe_(cycle);
@@ -130,13 +130,13 @@ void LinkLoop::tell_cycle(const Cycle& cycle) {
   output_.arrival_ns = tool_.arrival_ns;
   told_ = TrackingState::ok;
   is_fading_ = true;  // from when the next pose does not come
-  teller_.tell_stop(session_, output_, server_);
+  sender_.tell_stop(session_, output_, server_);
   server_.give(output_);
 }
 
 /// Where no pose comes: that it is so, and forces that fade.
 void LinkLoop::tell_state(std::int64_t now_ns) {
-  const TrackingState tracking = hearing_.tracking.state(now_ns);
+  const TrackingState tracking = receiver_.tracking.state(now_ns);
   const double silent_s = seconds_between(last_arrival_ns_, now_ns);
   const bool fades = is_fading_ && silent_s > kHoldForceS;
   if (tracking == told_ && !fades) return;

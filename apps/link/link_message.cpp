@@ -106,13 +106,13 @@ void append_field(std::string_view text, std::size_t size, std::string& bytes) {
 }  // namespace
 
 std::string_view name_of(LinkRejection refusal) {
-  constexpr std::array<std::string_view, kLinkRefusals> kNames{"header", "size",    "checksum",      "content",
-                                                               "type",   "device",  "not in charge", "command",
-                                                               "half",   "hanging", "too many"};
+  constexpr std::array<std::string_view, kLinkRejections> kNames{"header", "size",    "checksum",      "content",
+                                                                 "type",   "device",  "not in charge", "command",
+                                                                 "half",   "hanging", "too many"};
   return kNames.at(static_cast<std::size_t>(refusal));
 }
 
-bool LinkReader::take(std::string_view bytes, const Sink& sink, const RefusalSink& refused) {
+bool LinkReader::take(std::string_view bytes, const Sink& sink, const RejectionSink& refused) {
   while (!bytes.empty()) {
     if (skip_ > 0) {
       const std::size_t passed = static_cast<std::size_t>(std::min<std::uint64_t>(skip_, bytes.size()));
@@ -132,7 +132,7 @@ bool LinkReader::take(std::string_view bytes, const Sink& sink, const RefusalSin
 }
 
 /// With a whole header in the buffer.
-bool LinkReader::begin(const RefusalSink& refused) {
+bool LinkReader::begin(const RejectionSink& refused) {
   const int version = number_at<std::uint16_t>(buffer_, 0);
   const std::optional<std::string> type = name_in(std::string_view(buffer_).substr(2, IGTL_HEADER_TYPE_SIZE));
   const std::optional<std::string> device =
@@ -155,7 +155,7 @@ bool LinkReader::begin(const RefusalSink& refused) {
 }
 
 /// With a whole message in the buffer.
-void LinkReader::end(const Sink& sink, const RefusalSink& refused) {
+void LinkReader::end(const Sink& sink, const RejectionSink& refused) {
   const std::string_view bytes = buffer_;
   const std::string_view body = bytes.substr(kHeaderSize);
   LinkMessage message;

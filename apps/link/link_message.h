@@ -44,20 +44,20 @@ enum class LinkRejection : std::uint8_t {
   hanging,        ///< a peer that does not read what it is sent; the connection ends
   too_many        ///< a peer more than there may be
 };
-inline constexpr std::size_t kLinkRefusals = 11;
+inline constexpr std::size_t kLinkRejections = 11;
 /// "header", "size", "checksum", ...
 std::string_view name_of(LinkRejection refusal);
-using LinkRefusals = std::array<std::uint64_t, kLinkRefusals>;
+using LinkRejections = std::array<std::uint64_t, kLinkRejections>;
 
 /// Takes a stream of bytes apart into messages, whatever pieces it comes in. No size that a header claims is believed
 /// before it is checked: bodies of types that are known are at most 128 kB, all others are passed over uncopied.
 class LinkReader {
  public:
   using Sink = std::function<void(LinkMessage&&)>;
-  using RefusalSink = std::function<void(LinkRejection)>;
+  using RejectionSink = std::function<void(LinkRejection)>;
 
   /// False: the stream is lost, and so is all that follows.
-  bool take(std::string_view bytes, const Sink& sink, const RefusalSink& refused);
+  bool take(std::string_view bytes, const Sink& sink, const RejectionSink& refused);
   /// In the middle of a message.
   bool is_within() const { return !buffer_.empty() || skip_ > 0; }
 
@@ -65,8 +65,8 @@ class LinkReader {
   static constexpr std::uint64_t kMaxPassedOver = std::uint64_t{256} << 20U;  ///< of an image, say
 
  private:
-  bool begin(const RefusalSink& refused);
-  void end(const Sink& sink, const RefusalSink& refused);
+  bool begin(const RejectionSink& refused);
+  void end(const Sink& sink, const RejectionSink& refused);
 
   std::string buffer_;    ///< of the present message
   std::size_t body_ = 0;  ///< its size; known once there is a header

@@ -149,7 +149,7 @@ struct LinkServer::State {
   FileDescriptor listener;
   std::uint16_t port = 0;
   std::optional<SocketAddress> server;
-  WakeEvent network_bell, loop_bell;
+  WakeEvent network_wake, loop_wake;
   LinkRing<LinkInput> inputs{kInputRoom};
   LinkRing<LinkOutput> outputs{kOutputRoom};
   LinkRing<LinkOutput> stops{64};
@@ -209,7 +209,7 @@ void LinkServer::State::run() {
 }
 
 void LinkServer::State::poll_sockets() {
-  std::vector<pollfd> polled{{network_bell.descriptor(), POLLIN, 0}, {listener.number(), 0, 0}};
+  std::vector<pollfd> polled{{network_wake.descriptor(), POLLIN, 0}, {listener.number(), 0, 0}};
   const std::int64_t before_ns = wall_ns();
   if (before_ns >= next_accept_ns) polled[1].events = POLLIN;
   for (LinkPeer& peer : peers) {
@@ -226,7 +226,7 @@ void LinkServer::State::poll_sockets() {
   if (options.state_rate_hz > 0.0) wait_ns = std::min(wait_ns, std::max<std::int64_t>(0, next_state_ns - before_ns));
   const std::timespec wait{.tv_sec = 0, .tv_nsec = wait_ns};
   if (::ppoll(polled.data(), polled.size(), &wait, nullptr) <= 0) return;
-  if (polled[0].revents != 0) network_bell.silence();
+  if (polled[0].revents != 0) network_wake.silence();
   std::size_t n = 2;
   for (LinkPeer& peer : peers) {  // those that were polled: new ones come behind them
     const short events = polled[n++].revents;
@@ -427,7 +427,7 @@ void LinkServer::State::give_inputs() {
     input.reset();
     has_any = true;
   }
-  if (has_any) loop_bell.ring();
+  if (has_any) loop_wake.ring();
 }
 
 void LinkServer::State::fetch_outputs() {
@@ -596,7 +596,7 @@ LinkServer::~LinkServer() { end(); }
 LinkReport LinkServer::end() {
   if (state_->thread.joinable()) {
     state_->ends = true;
-    state_->network_bell.ring();
+    state_->network_wake.ring();
     state_->thread.join();
   }
   return report();
@@ -605,7 +605,7 @@ LinkReport LinkServer::end() {
 std::uint16_t LinkServer::port() const { return state_->port; }
 
 bool LinkServer::take(LinkInput& input) noexcept { return state_->inputs.take(input); }
-void LinkServer::wait(std::int64_t until_ns) noexcept { state_->loop_bell.wait(until_ns); }
+void LinkServer::wait(std::int64_t until_ns) noexcept { state_->loop_wake.wait(until_ns); }
 
 void LinkServer::give(const LinkOutput& output) noexcept {
   if (output.kind == LinkOutput::Kind::stop) {
@@ -613,7 +613,7 @@ void LinkServer::give(const LinkOutput& output) noexcept {
   } else {
     state_->outputs.give(output);
   }
-  state_->network_bell.ring();
+  state_->network_wake.ring();
 }
 
 void LinkServer::give_surfaces(const std::map<std::string, std::string>& contents) {
@@ -627,7 +627,7 @@ void LinkServer::give_surfaces(const std::map<std::string, std::string>& content
     const std::lock_guard lock(state_->surfaces_mutex);
     for (auto& [name, given] : messages) state_->given_surfaces[name] = std::move(given);
   }
-  state_->network_bell.ring();
+  state_->network_wake.ring();
 }
 
 LinkReport LinkServer::report() const {

@@ -88,7 +88,7 @@ struct LinkReport {
   std::uint64_t bytes_out = 0;
   std::uint64_t dropped = 0;    ///< transforms and states that a slow peer was not sent
   std::uint64_t throttled = 0;  ///< times that a peer sent more than is read
-  LinkRefusals refused{};
+  LinkRejections refused{};
   std::uint64_t through = 0;  ///< poses that came and whose bit was sent
   std::uint64_t late = 0;     ///< of them, those that took longer than a millisecond
   TimeSpread through_time;    ///< from a tool's transform read to the bit's transform handed to the socket

@@ -53,10 +53,11 @@ LinkedSession drill_linked(const Bone& bone, const SessionSetup& setup, const Li
   linked.is_stopped = session.is_stopped();
   linked.network = server.end();
   try {
-    linked.not_recorded = session.end_record();
+    session.end_record();
   } catch (const Error& error) {
     linked.record_trouble = error.what();
   }
+  linked.not_recorded = session.record_lost();
   return linked;
 }
 

@@ -44,7 +44,7 @@ void print_linked(const LinkedSession& linked) {
   print_figure("bytes in", 1e-6 * static_cast<double>(network.bytes_in), "MB", 3);
   print_figure("bytes out", 1e-6 * static_cast<double>(network.bytes_out), "MB", 3);
   print_count("not sent to slow peers", network.dropped);
-  for (std::size_t n = 0; n < kLinkRefusals; ++n) {
+  for (std::size_t n = 0; n < kLinkRejections; ++n) {
     if (network.refused[n] == 0) continue;
     print_count("refused, " + std::string(name_of(static_cast<LinkRejection>(n))), network.refused[n]);
   }
@@ -70,7 +70,7 @@ Json linked_json(const LinkedSession& linked) {
   const LinkLoopReport& loop = linked.loop;
   const LinkReport& network = linked.network;
   Json refused = Json::object();
-  for (std::size_t n = 0; n < kLinkRefusals; ++n) {
+  for (std::size_t n = 0; n < kLinkRejections; ++n) {
     refused[std::string(name_of(static_cast<LinkRejection>(n)))] = network.refused[n];
   }
   Json events = Json::array();

@@ -110,6 +110,7 @@ Replay replay_record(DrillSession& session, const SessionRecord& record, const P
   if (!record.tools.empty() && !change_tool) fail("expected a record of one tool, found one that changes its tool");
   RecordOperator rows(record, change_tool);
   Replay replay;
+  const Progress replaying([&](std::string_view, double fraction) { progress.report("replaying", fraction); });
   run_session(
       session, rows,
       [&](const Cycle& cycle) {
@@ -122,7 +123,7 @@ Replay replay_record(DrillSession& session, const SessionRecord& record, const P
           rows.stop();
         }
       },
-      progress);
+      replaying);
   if (!replay.difference.empty()) return replay;
   replay.gap = rows.gap();
   if (replay.gap.empty()) compare_events(record, session.events(), rows.next_cycle(), replay);

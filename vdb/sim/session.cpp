@@ -53,6 +53,7 @@ struct Session::State {
   std::vector<Taken> taken;
   std::unique_ptr<RecordWriter> record;
   bool record_waits = true;
+  std::uint64_t record_lost = 0;  ///< of the last record that ended
 
   void begin_motion() {
     motion.begin(tool, setup.options.max_jump_mm);
@@ -194,11 +195,14 @@ SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, Sessio
   return setup;
 }
 
-/// Whether a tool on one path may take over the distances to walls of another: those of a plate are of its own size.
-bool shares_walls(const DrillPath& a, const DrillPath& b) {
+/// Whether one session may take over the other's distances to walls: of the same bones, along the same path; those of a
+/// plate are of its own size.
+bool shares_walls(const SessionSetup& one, const SessionSetup& other) {
+  const DrillPath &a = one.path, &b = other.path;
   const bool has_plate = a.bit.is_plate() || b.bit.is_plate();
-  return a.entry_mm == b.entry_mm && a.target_mm == b.target_mm && a.via_mm == b.via_mm &&
-         (!has_plate || a.bit == b.bit);
+  return one.bone_hash == other.bone_hash && one.further_bone_hashes == other.further_bone_hashes &&
+         one.options.has_path && other.options.has_path && a.entry_mm == b.entry_mm && a.target_mm == b.target_mm &&
+         a.via_mm == b.via_mm && (!has_plate || a.bit == b.bit);
 }
 
 SessionSetup without_path(std::span<const Bone> bones, SessionSetup setup) {
@@ -213,7 +217,7 @@ Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, co
                  const Session* alike) {
   std::vector bones{std::move(bone)};
   const SessionSetup whole = complete(bones, path, setup);
-  const bool has_same = alike != nullptr && shares_walls(path, alike->path());
+  const bool has_same = alike != nullptr && shares_walls(whole, alike->setup());
   state_ = std::make_unique<State>(std::move(bones), whole, progress,
                                    has_same ? alike->state_->built.clearances.get() : nullptr);
 }
@@ -281,12 +285,19 @@ void Session::record(const std::filesystem::path& file, const RecordOptions& opt
   state_->record_waits = options.waits;
 }
 
-std::uint64_t Session::end_record() {
-  if (!state_->record) return 0;
+void Session::end_record() {
+  if (!state_->record) return;
   const std::unique_ptr<RecordWriter> record = std::move(state_->record);
-  record->close(state_->built.session->events());
-  return record->lost();
+  try {
+    record->close(state_->built.session->events());
+  } catch (...) {
+    state_->record_lost = record->lost();
+    throw;
+  }
+  state_->record_lost = record->lost();
 }
+
+std::uint64_t Session::record_lost() const { return state_->record ? state_->record->lost() : state_->record_lost; }
 
 void Session::end_hole() {
   end_record();

@@ -45,8 +45,8 @@ class Session {
  public:
   /// `setup`: all that decides what a session does; its path and its bones' fingerprints are taken from `bone` and
   /// `path`. Throws Error where the path misses the bone, and on options that make no sense.
-  /// `alike`: a session of the same bone whose distances to walls are taken over where it has the same path, which
-  /// saves working them out again; may be null.
+  /// `alike`: a session whose distances to walls are taken over where it has the same bone and path, which saves
+  /// working them out again; may be null.
   Session(Bone bone, const DrillPath& path, const SessionSetup& setup = {}, const Progress& progress = {},
           const Session* alike = nullptr);
   /// Through several bones of one patient, in voxels: the path is the first's, the tool takes what it meets of all.
@@ -100,9 +100,10 @@ class Session {
   /// From here on each cycle goes to a record, an HDF5 file that replay() and `spinaltap replay` run again. Throws
   /// Error after the first cycle, and where the file cannot be made or is there already.
   void record(const std::filesystem::path& file, const RecordOptions& options = {});
-  /// Writes what is left, and marks the record as whole. Gives how many cycles were lost. Throws Error when the disk is
-  /// full.
-  std::uint64_t end_record();
+  /// Writes what is left, and marks the record as whole. Throws Error when the disk is full.
+  void end_record();
+  /// Cycles that did not get into the record that runs, or else into the last one, also where its end threw.
+  std::uint64_t record_lost() const;
 
   /// What is drilled from here on is another hole; the bit has come from nowhere. Ends a record.
   void end_hole();

@@ -20,26 +20,26 @@ constexpr double kLinkRateHz = 1000.0;
 class LinkedTool final : public Operator {
  public:
   LinkedTool(std::shared_ptr<LinkServer> server, const TrackingOptions& tracking, bool has_side)
-      : server_(std::move(server)), hearing_{Tracking(tracking)}, has_side_(has_side) {}
+      : server_(std::move(server)), receiver_{Tracking(tracking)}, has_side_(has_side) {}
 
   /// Whether the tool's pose is known.
   bool hear() {
     LinkInput input;
-    while (server_->take(input)) is_new_ = hearing_.take(input) || is_new_;
-    const std::optional<Pose> pose = hearing_.tracking.pose(wall_ns());
+    while (server_->take(input)) is_new_ = receiver_.take(input) || is_new_;
+    const std::optional<Pose> pose = receiver_.tracking.pose(wall_ns());
     if (!pose) return false;
     pose_ = *pose;
     if (!has_side_) pose_.side = Vec3::Zero();
     return true;
   }
-  bool is_ended() const { return hearing_.is_ended; }
+  bool is_ended() const { return receiver_.is_ended; }
 
   std::optional<ToolInput> next(const ToolFeedback& /*feedback*/) override {
     const bool is_seen = hear();
-    if (hearing_.is_ended) return std::nullopt;
-    ToolInput input{pose_, is_seen && was_seen_ && hearing_.spindle_on, 1.0 / kLinkRateHz};
+    if (receiver_.is_ended) return std::nullopt;
+    ToolInput input{pose_, is_seen && was_seen_ && receiver_.spindle_on, 1.0 / kLinkRateHz};
     input.device.status = !is_seen ? DeviceStatus::lost : is_new_ ? DeviceStatus::live : DeviceStatus::silent;
-    input.device.buttons = hearing_.spindle_on ? 1U : 0U;
+    input.device.buttons = receiver_.spindle_on ? 1U : 0U;
     input.device.pose = pose_;
     was_seen_ = is_seen;
     is_new_ = false;
@@ -48,7 +48,7 @@ class LinkedTool final : public Operator {
 
  private:
   std::shared_ptr<LinkServer> server_;
-  LinkReceiver hearing_;
+  LinkReceiver receiver_;
   bool has_side_;
   bool is_new_ = false;
   bool was_seen_ = false;
@@ -84,7 +84,7 @@ OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progre
   options.stale_s = tracking_.stale_s;
   options.points = plan_points(setup.path);
   server_ = std::make_shared<LinkServer>(options);
-  teller_ = {};
+  sender_ = {};
   auto tool = std::make_unique<LinkedTool>(server_, tracking_, setup.path.bit.is_plate());
   try {
     while (!tool->hear()) {
@@ -113,10 +113,10 @@ void LinkSource::tell(const Session& session) {
     output.tracking = TrackingState::stale;
     output.kind = LinkOutput::Kind::state;
   }
-  teller_.tell_stop(session, output, *server_);
+  sender_.tell_stop(session, output, *server_);
   // A pose that is answered once; between poses nothing is news.
   if (cycle.input.device.status != DeviceStatus::silent) server_->give(output);
-  teller_.tell_events(session, output, *server_);
+  sender_.tell_events(session, output, *server_);
 }
 
 void LinkSource::end() {

@@ -28,7 +28,7 @@ class LinkSource final : public NavigationSource {
   TrackingOptions tracking_;
   std::string name_;
   std::shared_ptr<LinkServer> server_;
-  LinkSender teller_;
+  LinkSender sender_;
 };
 
 /// A source that listens at a port, "18944", or at a port of a numeric address, "0.0.0.0:18944". Throws Error on other

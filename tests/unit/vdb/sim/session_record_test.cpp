@@ -50,7 +50,8 @@ TEST_F(RecordedSession, OfADrillingAgainstTheClockIsReplayedToTheLastBit) {
   std::uint64_t observed = 0;
   const RealTimeReport report =
       session.run_real_time(tool, {.longest_s = 20.0}, [&observed](const Cycle&) { ++observed; });
-  const std::uint64_t lost = session.end_record();
+  session.end_record();
+  const std::uint64_t lost = session.record_lost();
   // The first pose, where the bit is put, is taken before the clock starts.
   EXPECT_EQ(observed, report.collision.cycles + 1);
 
@@ -71,7 +72,8 @@ TEST_F(RecordedSession, IsReplacedOnlyWhereThatIsSaid) {
     Session session(bone_, path_, setup_);
     session.record(file, {.may_replace = true});
     session.run(inputs(count));
-    EXPECT_EQ(session.end_record(), 0U);
+    session.end_record();
+    EXPECT_EQ(session.record_lost(), 0U);
     EXPECT_EQ(read_record(file).cycles.size(), static_cast<std::size_t>(count));
   }
   Session third(bone_, path_, setup_);
@@ -101,6 +103,11 @@ TEST(SessionAlike, TakesOverDistancesToWallsOfTheSamePathOnly) {
     EXPECT_EQ(recorded_along(alike, path), expected);
     EXPECT_LT(expected.back().canal_mm, 8.0) << "there are walls near";
   }
+  // Another bone around the same path has walls of its own.
+  const Bone finer(bake_solid(Vertebra(), {.voxel_mm = 0.8}, 60.0));
+  Session fresh(finer, through(0.0, 3.0));
+  Session alike(finer, through(0.0, 3.0), {}, {}, &first);
+  EXPECT_EQ(recorded_along(alike, through(0.0, 3.0)), recorded_along(fresh, through(0.0, 3.0)));
 }
 
 }  // namespace
