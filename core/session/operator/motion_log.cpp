@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "core/base/error.h"
 
@@ -73,7 +74,9 @@ void MotionLog::set_axis(std::size_t index, const double* axis) noexcept {
   std::uint32_t place = 0;
   if (index > 0) {
     place = axis_of_[index - 1];
-    if (std::memcmp(axes_.get() + 3 * std::size_t{place}, axis, kVecBytes) != 0) ++place;
+    const std::span before(axes_.get() + 3 * std::size_t{place}, 3);
+    // By their bytes, since -0 equals 0 and a replay has to have the same bits.
+    if (!std::ranges::equal(std::as_bytes(before), std::as_bytes(std::span(axis, 3)))) ++place;
   }
   std::memmove(axes_.get() + 3 * std::size_t{place}, axis, kVecBytes);
   axis_of_[index] = place;
