@@ -5,12 +5,12 @@
 #include <memory>
 #include <optional>
 
+#include "core/anatomy/body_landmarks.h"
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/canal_search.h"
+#include "core/anatomy/surface_sample.h"
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
-#include "core/plan/body_landmarks.h"
-#include "core/plan/bone_shape.h"
-#include "core/plan/canal_search.h"
-#include "core/plan/surface_sample.h"
 #include "mesh/vertebra_mesh.h"
 #include "vdb/grid/mesh_solid.h"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/plan/bone_shape.h"
+#include "core/anatomy/bone_shape.h"
 
 namespace spinaltap {
 namespace {

@@ -15,7 +15,7 @@
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
-#include "core/plan/path_side.h"
+#include "core/grading/path_side.h"
 #include "core/tool/path_curve.h"
 
 namespace spinaltap {

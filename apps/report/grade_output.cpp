@@ -10,7 +10,7 @@
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "core/base/text_writer.h"
-#include "core/plan/path_doubt.h"
+#include "core/grading/path_doubt.h"
 
 namespace spinaltap {
 namespace {

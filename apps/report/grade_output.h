@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/files/json_file.h"
-#include "core/plan/ct_surface_error.h"
-#include "core/plan/placement_odds.h"
 #include "core/plan/suggest.h"
+#include "core/uncertainty/ct_surface_error.h"
+#include "core/uncertainty/placement_odds.h"
 
 namespace spinaltap {
 

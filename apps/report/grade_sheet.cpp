@@ -11,7 +11,7 @@
 #include "apps/report/picture_view.h"
 #include "apps/report/slice_figure.h"
 #include "apps/report/text.h"
-#include "core/plan/path_side.h"
+#include "core/grading/path_side.h"
 #include "core/tool/path_curve.h"
 
 namespace spinaltap {

@@ -5,7 +5,7 @@
 
 #include "apps/report/html_report.h"
 #include "apps/report/svg_plot.h"
-#include "core/plan/screw_hold.h"
+#include "core/grading/screw_hold.h"
 
 namespace spinaltap {
 

@@ -7,8 +7,8 @@
 #include "apps/report/bone_outline.h"
 #include "apps/report/html_report.h"
 #include "apps/report/slice_frame.h"
+#include "core/anatomy/landmarks.h"
 #include "core/ct/ct_volume.h"
-#include "core/plan/landmarks.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {

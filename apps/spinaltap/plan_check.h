@@ -8,7 +8,7 @@
 
 #include "core/ct/bone_identity.h"
 #include "core/files/json_file.h"
-#include "core/plan/path_check.h"
+#include "core/grading/path_check.h"
 #include "core/tool/drill_path.h"
 #include "vdb/sim/bone.h"
 

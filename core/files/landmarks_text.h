@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/plan/landmarks.h"
+#include "core/anatomy/landmarks.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/placement_errors.h"
+#include "core/uncertainty/placement_errors.h"
 
 namespace spinaltap {
 

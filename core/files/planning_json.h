@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/anatomy/landmarks.h"
 #include "core/files/json_file.h"
-#include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
 
 namespace spinaltap {

@@ -11,14 +11,14 @@
 #include <tuple>
 #include <utility>
 
+#include "core/anatomy/landmarks.h"
 #include "core/base/check_range.h"
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
+#include "core/grading/instrument.h"
 #include "core/plan/convergence.h"
 #include "core/plan/detail/suggestion_words.h"
 #include "core/plan/detail/trajectory_search.h"
-#include "core/plan/instrument.h"
-#include "core/plan/landmarks.h"
 #include "core/points/material.h"
 #include "core/tool/plate.h"
 

@@ -10,8 +10,8 @@
 #include "core/base/progress.h"
 #include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
-#include "core/plan/grade.h"
-#include "core/plan/path_findings.h"
+#include "core/grading/grade.h"
+#include "core/grading/path_findings.h"
 
 namespace spinaltap {
 

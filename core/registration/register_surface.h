@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/base/progress.h"
-#include "core/plan/bone_shape.h"
 #include "core/registration/registration.h"
 
 namespace spinaltap {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "core/anatomy/wall_distance.h"
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
-#include "core/plan/wall_distance.h"
 #include "core/registration/rigid_pose.h"
 #include "core/tool/plate.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/plan/placement_odds.h"
-#include "core/plan/wall_distance.h"
+#include "core/anatomy/wall_distance.h"
 #include "core/registration/pose_covariance.h"
+#include "core/uncertainty/placement_odds.h"
 
 namespace spinaltap {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/plan/grade.h"
+#include "core/grading/grade.h"
 #include "core/session/detail/wall_lattice.h"
 
 namespace spinaltap {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <span>
 
+#include "core/anatomy/wall_distance.h"
 #include "core/base/geometry.h"
 #include "core/base/progress.h"
-#include "core/plan/wall_distance.h"
 #include "core/session/cycle.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/path_curve.h"

@@ -8,7 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/ct/level.h"
-#include "core/plan/path_side.h"
+#include "core/grading/path_side.h"
 
 namespace spinaltap {
 namespace {

@@ -9,13 +9,13 @@
 #include "core/ct/bone_identity.h"
 #include "core/ct/level.h"
 #include "core/engine/step_result.h"
-#include "core/plan/placement_errors.h"
 #include "core/points/material.h"
 #include "core/points/point_volume_options.h"
 #include "core/registration/pose_covariance.h"
 #include "core/session/session_setup.h"
 #include "core/study/study_design.h"
 #include "core/tool/drill_path.h"
+#include "core/uncertainty/placement_errors.h"
 
 namespace spinaltap {
 

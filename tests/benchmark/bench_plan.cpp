@@ -11,10 +11,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/anatomy/bone_shape.h"
+#include "core/grading/screw_breach.h"
 #include "core/phantom/vertebra_ground_truth.h"
-#include "core/plan/bone_shape.h"
-#include "core/plan/placement_errors.h"
-#include "core/plan/screw_breach.h"
+#include "core/uncertainty/placement_errors.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"

@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/ct/read_ct.h"
-#include "core/plan/bone_shape.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_kind.h"
 #include "vdb/sim/bake_ct.h"

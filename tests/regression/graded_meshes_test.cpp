@@ -10,9 +10,9 @@
 #include <numbers>
 #include <vector>
 
-#include "core/plan/bone_shape.h"
-#include "core/plan/instrument.h"
-#include "core/plan/point_tree.h"
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/point_tree.h"
+#include "core/grading/instrument.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/real_meshes.h"
 #include "tests/support/test_kind.h"

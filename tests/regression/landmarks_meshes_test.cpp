@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/phantom/scanner.h"
-#include "core/plan/bone_shape.h"
 #include "core/rbf/fit_surface.h"
 #include "core/surface/surface_points.h"
 #include "tests/support/mesh_landmarks.h"

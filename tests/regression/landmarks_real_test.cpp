@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/landmarks.h"
 #include "core/ct/dicom_read.h"
-#include "core/plan/bone_shape.h"
-#include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
 #include "tests/support/test_kind.h"

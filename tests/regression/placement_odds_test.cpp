@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <random>
 
+#include "core/anatomy/landmarks.h"
 #include "core/files/placement_errors_file.h"
-#include "core/plan/landmarks.h"
-#include "core/plan/placement_odds.h"
+#include "core/uncertainty/placement_odds.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"
 

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/base/error.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/spine.h"
 #include "core/phantom/true_labels.h"
-#include "core/plan/bone_shape.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"

@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/ct/read_ct.h"
-#include "core/plan/bone_shape.h"
+#include "core/grading/instrument.h"
 #include "core/plan/convergence.h"
-#include "core/plan/instrument.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/real_meshes.h"
 #include "tests/support/test_kind.h"

@@ -9,9 +9,9 @@
 #include <memory>
 #include <ostream>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra.h"
-#include "core/plan/bone_shape.h"
 #include "tests/support/test_kind.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/bone.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/plan/screw_hold.h"
+#include "core/grading/screw_hold.h"
 
 namespace spinaltap::test {
 

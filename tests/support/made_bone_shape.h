@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/anatomy/bone_shape.h"
 #include "core/phantom/detail/texture.h"
-#include "core/plan/bone_shape.h"
 #include "tests/support/gridded_field.h"
 
 namespace spinaltap::test {

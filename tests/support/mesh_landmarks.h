@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "core/plan/landmarks.h"
+#include "core/anatomy/landmarks.h"
 #include "tests/support/mesh_rays.h"
 
 namespace spinaltap::test {

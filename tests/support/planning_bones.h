@@ -5,11 +5,11 @@
 #include <functional>
 #include <memory>
 
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/landmarks.h"
+#include "core/anatomy/wall_distance.h"
 #include "core/phantom/vertebra.h"
 #include "core/phantom/vertebra_ground_truth.h"
-#include "core/plan/bone_shape.h"
-#include "core/plan/landmarks.h"
-#include "core/plan/wall_distance.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/gridded_field.h"
 

@@ -1,11 +1,11 @@
 #include "vdb/sim/auto_plan.h"
 
+#include "core/anatomy/wall_distance.h"
 #include "core/base/error.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/files/planning_rules_file.h"
 #include "core/files/screw_file.h"
-#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 

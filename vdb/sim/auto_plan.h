@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/anatomy/wall_distance.h"
 #include "core/base/progress.h"
 #include "core/plan/suggest.h"
-#include "core/plan/wall_distance.h"
 
 namespace spinaltap {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/landmarks.h"
 #include "core/base/error.h"
 #include "core/files/landmarks_text.h"
-#include "core/plan/bone_shape.h"
-#include "core/plan/landmarks.h"
 #include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/label_warnings.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <mutex>
 
+#include "core/anatomy/bone_density.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/made_up_slices.h"
-#include "core/plan/bone_density.h"
 #include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/bone_model.h"

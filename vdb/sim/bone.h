@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/anatomy/landmarks.h"
+#include "core/anatomy/wall_distance.h"
 #include "core/base/geometry.h"
 #include "core/base/progress.h"
 #include "core/base/triangle_mesh.h"
@@ -15,16 +17,14 @@
 #include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
-#include "core/plan/ct_surface_error.h"
-#include "core/plan/grade.h"
-#include "core/plan/landmarks.h"
-#include "core/plan/path_findings.h"
-#include "core/plan/screw_hold.h"
+#include "core/grading/grade.h"
+#include "core/grading/path_findings.h"
+#include "core/grading/screw_hold.h"
 #include "core/plan/suggest.h"
-#include "core/plan/wall_distance.h"
 #include "core/points/material.h"
 #include "core/segment/level_figures.h"
 #include "core/tool/drill_path.h"
+#include "core/uncertainty/ct_surface_error.h"
 #include "vdb/bake/bake_options.h"
 #include "vdb/grid/bone_model.h"
 
@@ -113,7 +113,7 @@ class Bone {
   std::shared_ptr<State> state_;
 };
 
-/// How well a path's screw holds; see core/plan/screw_hold.h. Throws Error as that does.
+/// How well a path's screw holds; see core/grading/screw_hold.h. Throws Error as that does.
 ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration = {},
                      const HoldModel& model = {});
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/plan/path_check.h"
+#include "core/grading/path_check.h"
 #include "core/tool/drill_path.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"

@@ -8,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "core/base/geometry.h"
-#include "core/plan/grade.h"
-#include "core/plan/path_side.h"
+#include "core/grading/grade.h"
+#include "core/grading/path_side.h"
 #include "core/session/choose_engine.h"
 #include "core/study/study_task.h"
 #include "core/tool/plate.h"

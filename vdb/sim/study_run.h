@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/plan/neighbour_contact.h"
-#include "core/plan/placement_errors.h"
-#include "core/plan/screw_breach.h"
+#include "core/grading/neighbour_contact.h"
+#include "core/grading/screw_breach.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
 #include "core/study/study_work.h"
+#include "core/uncertainty/placement_errors.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/drilled_bone.h"

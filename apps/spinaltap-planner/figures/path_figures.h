@@ -7,7 +7,7 @@
 
 #include "apps/report/grade_output.h"
 #include "apps/spinaltap-planner/opened_bone.h"
-#include "core/plan/path_side.h"
+#include "core/grading/path_side.h"
 #include "core/plan/suggest.h"
 #include "core/points/material.h"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/files/json_file.h"
-#include "core/plan/placement_errors.h"
+#include "core/uncertainty/placement_errors.h"
 
 namespace spinaltap {
 

@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
+#include "core/grading/grade.h"
 #include "core/plan/detail/trajectory_search.h"
-#include "core/plan/grade.h"
 
 namespace spinaltap::detail {
 

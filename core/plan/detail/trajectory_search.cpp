@@ -9,9 +9,9 @@
 #include <limits>
 #include <numbers>
 
-#include "core/plan/bone_shape.h"
-#include "core/plan/instrument.h"
-#include "core/plan/landmarks.h"
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/landmarks.h"
+#include "core/grading/instrument.h"
 
 namespace spinaltap::detail {
 namespace {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/plan/landmarks.h"
+#include "core/anatomy/landmarks.h"
+#include "core/anatomy/wall_distance.h"
 #include "core/plan/suggest.h"
-#include "core/plan/wall_distance.h"
 
 namespace spinaltap::detail {
 

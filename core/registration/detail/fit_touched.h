@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/bone_shape.h"
+#include "core/anatomy/bone_shape.h"
 #include "core/registration/pose_covariance.h"
 #include "core/registration/rigid_pose.h"
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "core/anatomy/wall_distance.h"
 #include "core/base/progress.h"
-#include "core/plan/wall_distance.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {

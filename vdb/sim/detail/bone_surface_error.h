@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "core/plan/bone_shape.h"
-#include "core/plan/ct_surface_error.h"
+#include "core/anatomy/bone_shape.h"
+#include "core/uncertainty/ct_surface_error.h"
 #include "vdb/grid/bone_model.h"
 
 namespace spinaltap {

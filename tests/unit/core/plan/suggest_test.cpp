@@ -8,10 +8,10 @@
 #include <limits>
 #include <numbers>
 
+#include "core/anatomy/bone_shape.h"
+#include "core/anatomy/landmarks.h"
 #include "core/base/error.h"
-#include "core/plan/bone_shape.h"
 #include "core/plan/convergence.h"
-#include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"

@@ -6,14 +6,14 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/plan/grade.h"
-#include "core/plan/placement_errors.h"
+#include "core/grading/grade.h"
 #include "core/plan/suggest.h"
 #include "core/session/choose_engine.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/session_setup.h"
 #include "core/session/tool_clearance.h"
+#include "core/uncertainty/placement_errors.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"
 

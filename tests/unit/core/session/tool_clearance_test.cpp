@@ -1,7 +1,7 @@
 // Compiled with optimisation: long loops of its own.
 
 #include "core/session/tool_clearance.h"
-#include "core/plan/landmarks.h"
+#include "core/anatomy/landmarks.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/grading/grade.h"
 #include "core/phantom/surface_seeds.h"
-#include "core/plan/grade.h"
 #include "core/session/real_time/timing.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"

@@ -11,9 +11,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/anatomy/point_tree.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/plan/point_tree.h"
 #include "mesh/mesh_distance.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"

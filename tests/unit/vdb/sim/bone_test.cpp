@@ -1,5 +1,5 @@
 #include "vdb/sim/bone.h"
-#include "core/plan/path_doubt.h"
+#include "core/grading/path_doubt.h"
 #include "core/segment/warning_metadata.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 #include "vdb/sim/study.h"
-#include "core/plan/bone_shape.h"
+#include "core/anatomy/bone_shape.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
