@@ -91,34 +91,39 @@ py::dict landmarks_of(const Bone& bone, const py::object& progress) {
       "warnings"_a = marks.warnings);
 }
 
-void bind_hold(py::module_& module) {
-  py::class_<ScrewHold> hold(module, "Hold",
-                             "How well a path's screw holds; docs/screws.md. Medians, and the bounds that 90 of 100 "
-                             "keep to.");
-  const auto add = [&](const std::string& name, HoldFigure ScrewHold::*figure, const char* doc) {
-    hold.def_property_readonly(
-        name.c_str(), [figure](const ScrewHold& it) { return (it.*figure).median; }, doc);
-    hold.def_property_readonly(("p05_" + name).c_str(), [figure](const ScrewHold& it) { return (it.*figure).p05; });
-    hold.def_property_readonly(("p95_" + name).c_str(), [figure](const ScrewHold& it) { return (it.*figure).p95; });
+void bind_fixation(py::module_& module) {
+  py::class_<ScrewFixation> fixation(
+      module, "Fixation",
+      "How well a path's screw holds; docs/screws.md. Medians, and the bounds that 90 of 100 "
+      "keep to.");
+  const auto add = [&](const std::string& name, FixationFigure ScrewFixation::*figure, const char* doc) {
+    fixation.def_property_readonly(
+        name.c_str(), [figure](const ScrewFixation& it) { return (it.*figure).median; }, doc);
+    fixation.def_property_readonly(("p05_" + name).c_str(),
+                                   [figure](const ScrewFixation& it) { return (it.*figure).p05; });
+    fixation.def_property_readonly(("p95_" + name).c_str(),
+                                   [figure](const ScrewFixation& it) { return (it.*figure).p95; });
   };
-  add("pullout_n", &ScrewHold::pullout_n, "Axial force that pulls it out, N.");
-  add("stiffness_n_mm", &ScrewHold::stiffness_n_mm, "Axial, N/mm: of elastic bone that grips all over, never more.");
-  add("max_torque_n_mm", &ScrewHold::max_torque_n_mm, "The largest insertion torque, N mm.");
-  hold.def_readonly("cortical_share", &ScrewHold::cortical_share, "Of the pull-out strength, by cortex; 0 to 1.")
-      .def_readonly("engaged_mm", &ScrewHold::engaged_mm, "Length of thread in bone, mm.")
+  add("pullout_n", &ScrewFixation::pullout_n, "Axial force that pulls it out, N.");
+  add("stiffness_n_mm", &ScrewFixation::stiffness_n_mm,
+      "Axial, N/mm: of elastic bone that grips all over, never more.");
+  add("max_torque_n_mm", &ScrewFixation::max_torque_n_mm, "The largest insertion torque, N mm.");
+  fixation
+      .def_readonly("cortical_share", &ScrewFixation::cortical_share, "Of the pull-out strength, by cortex; 0 to 1.")
+      .def_readonly("engaged_mm", &ScrewFixation::engaged_mm, "Length of thread in bone, mm.")
       .def_property_readonly(
           "depth_mm",
-          [](const ScrewHold& it) {
+          [](const ScrewFixation& it) {
             std::vector<double> depths;
-            for (const HoldRow& row : it.rows) depths.push_back(row.depth_mm);
+            for (const FixationRow& row : it.rows) depths.push_back(row.depth_mm);
             return depths;
           },
           "Depths of the tip, mm, of `torque_n_mm`.")
       .def_property_readonly(
           "torque_n_mm",
-          [](const ScrewHold& it) {
+          [](const ScrewFixation& it) {
             std::vector<double> torques;
-            for (const HoldRow& row : it.rows) torques.push_back(row.torque_n_mm);
+            for (const FixationRow& row : it.rows) torques.push_back(row.torque_n_mm);
             return torques;
           },
           "Insertion torque with the tip there, N mm.");
@@ -154,7 +159,7 @@ void bind_grade(py::module_& module) {
       .def_readonly("is_left", &PathGrade::is_left)
       .def_readonly("hu", &PathGrade::hu, "Mean of the tool's volume in bone; NaN where there is none.")
       .def_readonly("max_thrust_n", &PathGrade::max_thrust_n)
-      .def_readonly("hold", &PathGrade::hold, "How well the path's screw holds; None without one.")
+      .def_readonly("fixation", &PathGrade::fixation, "How well the path's screw holds; None without one.")
       .def_property_readonly(
           "p05_thrust_n", [](const PathGrade& grade) { return grade.max_thrust_band_n.low; },
           "5 % of the greatest thrust, as sources differ; then 95 %.")
@@ -181,7 +186,7 @@ void bind_grade(py::module_& module) {
 }  // namespace
 
 void bind_bone(py::module_& module) {
-  bind_hold(module);
+  bind_fixation(module);
   bind_grade(module);
   py::class_<Bone>(module, "Bone", R"(A baked bone and all that planning and drilling ask of it.
 

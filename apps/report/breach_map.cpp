@@ -39,20 +39,20 @@ std::string map(const BreachLattice& lattice) {
        }});
 }
 
-std::string bars(const GradeOdds& odds) {
+std::string bars(const GradeProbabilities& probabilities) {
   constexpr double kRow = 16.0;
   constexpr double kBar = 84.0;
   std::string svg;
-  for (std::size_t n = 0; n < odds.grades.size(); ++n) {
+  for (std::size_t n = 0; n < probabilities.grades.size(); ++n) {
     const double y = kMapTop + 4.0 + kRow * static_cast<double>(n);
-    const double width = std::max(1.0, kBar * odds.grades[n].share);
+    const double width = std::max(1.0, kBar * probabilities.grades[n].share);
     svg +=
         svg_text(kBarsLeft, y + 11.0, "start", std::string(1, letter_of(static_cast<Grade>(n))), "font-weight=\"600\"");
     svg += svg_box(kBarsLeft + 16.0, y, width, 12.0, kGrades[n]);
-    svg += svg_text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(odds.grades[n]));
+    svg += svg_text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(probabilities.grades[n]));
   }
   const double below = kMapTop + 4.0 + kRow * 5.0;
-  svg += svg_text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(odds.canal));
+  svg += svg_text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(probabilities.canal));
   return svg;
 }
 
@@ -81,7 +81,7 @@ std::string breach_map_svg(const PlacedGrade& placed) {
                     svg_number(kWidth) + " " + svg_number(kHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
                     svg_text(0.0, 14.0, "start", "Grade where the entry errs", kHead) +
                     svg_text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
-                    map(placed.map.shift_mm) + bars(placed.odds);
+                    map(placed.map.shift_mm) + bars(placed.probabilities);
   double y = kMapTop + kSide + 12.0;
   for (const std::string& line : title_lines(placed)) {
     svg += svg_text(kBarsLeft, y, "start", line);

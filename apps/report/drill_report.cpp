@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "apps/report/depth_bins.h"
-#include "apps/report/hold_report.h"
+#include "apps/report/fixation_report.h"
 #include "apps/report/session_report.h"
 #include "apps/report/slice_figure.h"
 #include "apps/report/svg_plot.h"
@@ -289,10 +289,10 @@ std::string drill_report(const DrillReportData& data) {
       plots.add("Points removed at each step", "points", "", data.removed);
     }
   }
-  if (data.hold) {
+  if (data.fixation) {
     report.add_heading("The screw that the hole is for");
-    report.add_table(hold_rows(*data.hold));
-    report.add_svg(svg_plot(insertion_torque_plot(*data.hold)));
+    report.add_table(fixation_rows(*data.fixation));
+    report.add_svg(svg_plot(insertion_torque_plot(*data.fixation)));
   }
   add_events(data.events, data.events_lost, report);
   if (data.real_time) add_real_time(*data.real_time, report);

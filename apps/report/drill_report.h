@@ -46,7 +46,7 @@ struct DrillReportData {
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;
 
-  std::optional<ScrewHold> hold;  ///< of the path's screw
+  std::optional<ScrewFixation> fixation;  ///< of the path's screw
 
   std::vector<ReportRow> figures;  ///< further values for the last table
   std::vector<std::string> notes;

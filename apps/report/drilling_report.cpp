@@ -49,7 +49,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.bone = &figures.bone;
   data.path = figures.setup.path;
   data.bone_bounds_mm = figures.bone.model().bounds_mm();
-  if (data.path.screw) data.hold = screw_hold(figures.bone, data.path, figures.setup.material.density);
+  if (data.path.screw) data.fixation = screw_fixation(figures.bone, data.path, figures.setup.material.density);
   const ForceBand band(figures.setup.material);
   for (const DepthRow& row : drilling.rows) {
     data.depth_mm.push_back(row.depth_mm);

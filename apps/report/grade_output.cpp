@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "apps/report/hold_report.h"
+#include "apps/report/fixation_report.h"
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "core/base/text_writer.h"
@@ -59,22 +59,22 @@ Json json_of(const NeighbourContact& contact, const DrillPath& path) {
 }
 
 /// "pullout_n", "p05_pullout_n" and "p95_pullout_n".
-void add_banded(Json& json, const std::string& name, const HoldFigure& figure) {
+void add_banded(Json& json, const std::string& name, const FixationFigure& figure) {
   json[name] = figure.median;
   json["p05_" + name] = figure.p05;
   json["p95_" + name] = figure.p95;
 }
 
-Json json_of(const ScrewHold& hold, bool with_rows) {
+Json json_of(const ScrewFixation& fixation, bool with_rows) {
   Json json = Json::object();
-  add_banded(json, "pullout_n", hold.pullout_n);
-  add_banded(json, "stiffness_n_mm", hold.stiffness_n_mm);
-  add_banded(json, "max_torque_n_mm", hold.max_torque_n_mm);
-  json["cortical_share"] = hold.cortical_share;
-  json["engaged_mm"] = hold.engaged_mm;
+  add_banded(json, "pullout_n", fixation.pullout_n);
+  add_banded(json, "stiffness_n_mm", fixation.stiffness_n_mm);
+  add_banded(json, "max_torque_n_mm", fixation.max_torque_n_mm);
+  json["cortical_share"] = fixation.cortical_share;
+  json["engaged_mm"] = fixation.engaged_mm;
   if (!with_rows) return json;
   json["rows"] = Json::array();
-  for (const HoldRow& row : hold.rows) {
+  for (const FixationRow& row : fixation.rows) {
     json["rows"].push_back(
         {{"depth_mm", row.depth_mm}, {"torque_n_mm", row.torque_n_mm}, {"shear_mpa", row.shear_mpa}});
   }
@@ -125,18 +125,18 @@ Json json_of(const BreachLattice& lattice) { return {{"errors", lattice.errors},
 
 Json json_of(const PlacedGrade& placed, bool with_map) {
   Json grades = Json::object();
-  for (std::size_t n = 0; n < placed.odds.grades.size(); ++n) {
-    grades[std::string(1, letter_of(static_cast<Grade>(n)))] = json_of(placed.odds.grades[n]);
+  for (std::size_t n = 0; n < placed.probabilities.grades.size(); ++n) {
+    grades[std::string(1, letter_of(static_cast<Grade>(n)))] = json_of(placed.probabilities.grades[n]);
   }
   Json json{{"errors", json_of(placed.errors)},
             {"registration", placed.registration ? json_of(*placed.registration) : Json(nullptr)},
-            {"draws", placed.odds.draws},
-            {"seed", placed.odds.seed},
+            {"draws", placed.probabilities.draws},
+            {"seed", placed.probabilities.seed},
             {"grades", grades},
-            {"a_or_b", json_of(placed.odds.acceptable)},
-            {"canal_breach", json_of(placed.odds.canal)},
-            {"mean_breach_mm", placed.odds.mean_breach_mm},
-            {"p95_breach_mm", placed.odds.p95_breach_mm}};
+            {"a_or_b", json_of(placed.probabilities.acceptable)},
+            {"canal_breach", json_of(placed.probabilities.canal)},
+            {"mean_breach_mm", placed.probabilities.mean_breach_mm},
+            {"p95_breach_mm", placed.probabilities.p95_breach_mm}};
   if (with_map) {
     json["map"] = {{"entry_shift_mm", json_of(placed.map.shift_mm)}, {"turn_deg", json_of(placed.map.turn_deg)}};
   }
@@ -216,16 +216,16 @@ std::string probability_in_words(const Probability& probability) {
          percents(probability.interval.high) + ")";
 }
 
-std::string odds_in_words(const PlacedGrade& placed) {
+std::string probabilities_in_words(const PlacedGrade& placed) {
   constexpr double kSmallest = 1e-3;
   std::string words;
-  for (std::size_t n = 0; n < placed.odds.grades.size(); ++n) {
-    if (n > 0 && placed.odds.grades[n].share < kSmallest) continue;
+  for (std::size_t n = 0; n < placed.probabilities.grades.size(); ++n) {
+    if (n > 0 && placed.probabilities.grades[n].share < kSmallest) continue;
     words += (words.empty() ? "" : ", ") + std::string(1, letter_of(static_cast<Grade>(n))) + " " +
-             probability_in_words(placed.odds.grades[n]);
+             probability_in_words(placed.probabilities.grades[n]);
   }
-  return words + "; breach into the canal " + probability_in_words(placed.odds.canal) + "; by " +
-         errors_in_words(placed) + ", " + std::to_string(placed.odds.draws) + " draws";
+  return words + "; breach into the canal " + probability_in_words(placed.probabilities.canal) + "; by " +
+         errors_in_words(placed) + ", " + std::to_string(placed.probabilities.draws) + " draws";
 }
 
 std::string errors_in_words(const PlacedGrade& placed) {
@@ -307,7 +307,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
     json["hu_bands"].push_back({{"band", names[n]}, {"share", grade.hu_band_shares.at(n)}});
   }
   json["max_thrust_n"] = grade.max_thrust_n;
-  json["hold"] = grade.hold ? json_of(*grade.hold, with_rows) : Json(nullptr);
+  json["fixation"] = grade.fixation ? json_of(*grade.fixation, with_rows) : Json(nullptr);
   json["p05_thrust_n"] = grade.max_thrust_band_n.low;
   json["p95_thrust_n"] = grade.max_thrust_band_n.high;
   json.update(uncertainty_json(graded, with_rows));
@@ -373,7 +373,7 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
 namespace {
 
 /// How the paths' screws hold, a line each; empty where none has one.
-std::string hold_table(const std::vector<GradedPath>& paths) {
+std::string fixation_table(const std::vector<GradedPath>& paths) {
   TextTable table({{"path", "", false},
                    {"pull-out (5 to 95 %)", "N"},
                    {"of it by cortex", "%"},
@@ -382,12 +382,12 @@ std::string hold_table(const std::vector<GradedPath>& paths) {
                    {"thread in bone", "mm"}});
   bool has_screw = false;
   for (const GradedPath& graded : paths) {
-    if (!graded.grade.hold) continue;
-    const ScrewHold& hold = *graded.grade.hold;
+    if (!graded.grade.fixation) continue;
+    const ScrewFixation& fixation = *graded.grade.fixation;
     has_screw = true;
-    table.add_row({graded.path.name, banded_text(hold.pullout_n), readable_number(100.0 * hold.cortical_share, 0),
-                   banded_text(hold.stiffness_n_mm), banded_text(hold.max_torque_n_mm),
-                   readable_number(hold.engaged_mm, 1)});
+    table.add_row({graded.path.name, banded_text(fixation.pullout_n),
+                   readable_number(100.0 * fixation.cortical_share, 0), banded_text(fixation.stiffness_n_mm),
+                   banded_text(fixation.max_torque_n_mm), readable_number(fixation.engaged_mm, 1)});
   }
   return has_screw ? "\n" + table.aligned() : std::string();
 }
@@ -444,7 +444,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
       findings += graded.path.name + (finding.is_warning ? ", warning: " : ": ") + finding.words + "\n";
     }
   }
-  return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + hold_table(paths) +
+  return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + fixation_table(paths) +
          (findings.empty() ? "" : "\n") + findings;
 }
 

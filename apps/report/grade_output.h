@@ -7,7 +7,7 @@
 #include "core/files/json_file.h"
 #include "core/plan/suggest.h"
 #include "core/uncertainty/ct_surface_error.h"
-#include "core/uncertainty/placement_odds.h"
+#include "core/uncertainty/placement_probabilities.h"
 
 namespace spinaltap {
 
@@ -22,7 +22,7 @@ struct AddedRegistration {
 /// What becomes of a path where screws err.
 struct PlacedGrade {
   PlacementErrors errors;
-  GradeOdds odds;
+  GradeProbabilities probabilities;
   BreachMap map;
   std::optional<AddedRegistration> registration = {};
 };
@@ -50,7 +50,7 @@ std::string probability_in_words(const Probability& probability);
 bool hides_breach(const GradedPath& graded);
 /// "A 93 % (91 to 95), B 6 % (5 to 8); breach into the canal 2 % (1 to 3); by robot_726, 1024 draws": grades below 0.1
 /// % are left out.
-std::string odds_in_words(const PlacedGrade& placed);
+std::string probabilities_in_words(const PlacedGrade& placed);
 /// "robot_726", "1.5 mm, 2 degrees and registration.json (0.61 mm at the entry, 0.93 mm at the target)".
 std::string errors_in_words(const PlacedGrade& placed);
 /// "found to 0.12 mm (standard error), to 0.09 mm where it is nearest: clearance to the canal 1.31 mm is 1.13 to 1.49

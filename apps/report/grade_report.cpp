@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "apps/report/fixation_report.h"
 #include "apps/report/grade_sheet.h"
-#include "apps/report/hold_report.h"
 #include "apps/report/html_report.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -75,8 +75,8 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
   }
   rows.push_back({"Max predicted thrust", readable_number(grade.max_thrust_n, 1), "N"});
   rows.push_back({"Max predicted thrust, 5 to 95 % of sources", interval_text(grade.max_thrust_band_n, 1), "N"});
-  if (grade.hold) {
-    for (const ReportRow& row : hold_rows(*grade.hold)) rows.push_back(row);
+  if (grade.fixation) {
+    for (const ReportRow& row : fixation_rows(*grade.fixation)) rows.push_back(row);
   }
   if (graded.safe && !(grade.breach_mm > 0.0)) {  // else there is nothing left to err by
     const SafeZone& safe = *graded.safe;
@@ -209,7 +209,7 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
     const GradedPath& graded = data.paths[n];
     report.add_heading("All figures: " + (graded.path.name.empty() ? std::string("path") : graded.path.name));
     report.add_table(figures_of(graded, data.hu_bands));
-    if (graded.placed) report.add_text("Grades to expect: " + odds_in_words(*graded.placed) + ".");
+    if (graded.placed) report.add_text("Grades to expect: " + probabilities_in_words(*graded.placed) + ".");
     if (graded.surface) report.add_text("Surface " + surface_in_words(graded) + ".");
     for (const Finding& finding : graded.grade.findings) {
       if (finding.is_warning) {
@@ -224,7 +224,7 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
     for (const Plot& plot : {hu_plot(graded), bands_plot(graded, data.hu_bands), predicted_thrust_plot(graded)}) {
       report.add_svg(svg_plot(plot));
     }
-    if (graded.grade.hold) report.add_svg(svg_plot(insertion_torque_plot(*graded.grade.hold)));
+    if (graded.grade.fixation) report.add_svg(svg_plot(insertion_torque_plot(*graded.grade.fixation)));
   }
   return report.html();
 }

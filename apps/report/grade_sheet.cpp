@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "apps/report/breach_map.h"
-#include "apps/report/hold_report.h"
+#include "apps/report/fixation_report.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/slice_figure.h"
 #include "apps/report/text.h"
@@ -58,7 +58,7 @@ std::vector<ReportRow> sheet_figures(const GradedPath& graded, const Landmarks* 
   rows.push_back({"Target", place(path.target_mm), "mm"});
   rows.push_back({"Path", readable_number(path.length_mm(), 1), "mm"});
   rows.push_back({"Thrust", readable_number(grade.max_thrust_n, 0), "N"});
-  if (grade.hold) rows.push_back({"Pull-out", banded_text(grade.hold->pullout_n), "N"});
+  if (grade.fixation) rows.push_back({"Pull-out", banded_text(grade.fixation->pullout_n), "N"});
   return rows;
 }
 

@@ -28,8 +28,8 @@ struct DrillPage {
   std::vector<std::string> notes = {};  ///< on the plan and the bone
 };
 
-/// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
-/// points.vdb or voxels as voxels.nii.gz into a folder, with what `output` holds already: all of them or none. Of
+/// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the occupied points
+/// as points.vdb or voxels as voxels.nii.gz into a folder, with what `output` holds already: all of them or none. Of
 /// several bones all but the first have drilled_NAME.vdb and .stl: names_of_further(). A record grows where its option
 /// says, and stays whatever happens. Prints the figures and gives them as JSON. `clock` gets the stages' times.
 Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,

@@ -41,9 +41,9 @@ Json level_figures_json(const LevelFigures& figures) {
 }
 
 /// The two likeliest.
-std::vector<LevelOdds> likeliest(std::vector<LevelOdds> odds) {
-  odds.resize(std::min<std::size_t>(odds.size(), 2));
-  return odds;
+std::vector<LevelProbability> likeliest(std::vector<LevelProbability> probabilities) {
+  probabilities.resize(std::min<std::size_t>(probabilities.size(), 2));
+  return probabilities;
 }
 
 const char* name_of(NameSource source) {
@@ -98,7 +98,7 @@ void print_levels(std::span<const LevelReport> levels) {
     if (level.is_cut || level.reaches_border) note += std::string(note.empty() ? "" : ", ") + "cut by the CT's border";
     table.add_row({level.name, std::to_string(level.label), number(at.x(), 1), number(at.y(), 1), number(at.z(), 1),
                    number(size.x(), 1), number(size.y(), 1), number(size.z(), 1), number(level.volume_mm3 / 1000.0, 2),
-                   number(level.severity, 2), in_words(likeliest(level.name_odds)), note});
+                   number(level.severity, 2), in_words(likeliest(level.name_probabilities)), note});
   }
   std::printf("  Middle (patient LPS) and size of the bodies:\n%s", table.aligned().c_str());
   for (const LevelReport& level : levels) {
@@ -124,9 +124,9 @@ Json to_json(const LevelReport& level) {
   }
   Json json{{"label", level.label}, {"name", level.name}, {"level", nullptr}};
   if (level.level != Level::kNone) json["level"] = level_name(level.level);
-  json["name_odds"] = Json::array();
-  for (const LevelOdds& one : level.name_odds) {
-    json["name_odds"].push_back({{"level", level_name(one.level)}, {"probability", one.probability}});
+  json["name_probabilities"] = Json::array();
+  for (const LevelProbability& one : level.name_probabilities) {
+    json["name_probabilities"].push_back({{"level", level_name(one.level)}, {"probability", one.probability}});
   }
   json.update({{"name_source", name_of(level.name_source)},
                {"body_centre_mm", to_json(level.body_centre_mm)},

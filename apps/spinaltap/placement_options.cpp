@@ -5,7 +5,7 @@
 #include "apps/spinaltap/command.h"
 #include "core/files/placement_errors_file.h"
 #include "core/files/registration_file.h"
-#include "core/registration/registered_odds.h"
+#include "core/registration/registered_probabilities.h"
 
 namespace spinaltap {
 
@@ -33,10 +33,10 @@ PlacementModel PlacementOptions::model() const {
 
 namespace {
 
-GradeOdds odds_of(const Bone& bone, const DrillPath& path, const PlacementModel& model, const PlacementErrors& errors,
-                  const Progress& progress) {
-  if (!model.registration) return grade_odds(bone.walls(), path, errors, {}, progress);
-  return registered_odds(bone.walls(), path, errors, model.registration->covariance, {}, progress);
+GradeProbabilities probabilities_of(const Bone& bone, const DrillPath& path, const PlacementModel& model,
+                                    const PlacementErrors& errors, const Progress& progress) {
+  if (!model.registration) return grade_probabilities(bone.walls(), path, errors, {}, progress);
+  return registered_probabilities(bone.walls(), path, errors, model.registration->covariance, {}, progress);
 }
 
 PlacementErrors no_errors() {
@@ -54,7 +54,7 @@ void add_uncertainty(const Bone& bone, const PlacementModel& model, std::vector<
     one.surface = bone.surface_error();
     if ((!model.errors && !model.registration) || one.path.is_curved()) continue;
     const PlacementErrors errors = model.errors.value_or(no_errors());
-    one.placed = PlacedGrade{errors, odds_of(bone, one.path, model, errors, progress),
+    one.placed = PlacedGrade{errors, probabilities_of(bone, one.path, model, errors, progress),
                              breach_map(bone.walls(), one.path, {}, progress)};
     if (!model.registration) continue;
     const PoseCovariance& covariance = model.registration->covariance;
@@ -72,7 +72,7 @@ void check_registration(const PlacementModel& model, const Bone& bone, const Pla
 
 void print_uncertainty(const std::vector<GradedPath>& graded) {
   for (const GradedPath& one : graded) {
-    if (one.placed) print_figure(one.path.name + " grades to expect", odds_in_words(*one.placed));
+    if (one.placed) print_figure(one.path.name + " grades to expect", probabilities_in_words(*one.placed));
     if (one.path.is_curved()) print_figure(one.path.name + " grades to expect", "not judged for a curved path");
     if (one.surface) print_figure(one.path.name + " surface", surface_in_words(one));
   }

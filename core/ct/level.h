@@ -24,7 +24,7 @@ enum class Level : std::uint8_t {
 };
 
 /// A level that a body may be.
-struct LevelOdds {
+struct LevelProbability {
   Level level = Level::kNone;
   double probability = 0.0;
 };

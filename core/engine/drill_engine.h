@@ -46,8 +46,8 @@ std::unique_ptr<DrillEngine> make_reference_engine(PointVolume& volume, const Dr
 /// ways, for as long as the bit can reach. Loses nothing where a tilted bit's section meets a ring four times.
 std::unique_ptr<DrillEngine> make_arc_engine(PointVolume& volume, const DrillBit& bit, const Material& material);
 
-/// The fast one: keeps for every disc how far the bit may move before it can touch a living point there, and looks at
-/// no disc before. See docs/drilling-engine.md.
+/// The fast one: keeps for every disc how far the bit may move before it can touch an occupied point there, and looks
+/// at no disc before. See docs/drilling-engine.md.
 std::unique_ptr<DrillEngine> make_ring_engine(PointVolume& volume, const DrillBit& bit, const Material& material);
 
 namespace detail {

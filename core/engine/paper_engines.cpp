@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/engine/volume_engine.h"
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 
 namespace spinaltap {
 namespace {
@@ -36,14 +36,14 @@ struct DiscSection {
 class RingsEngine : public VolumeEngine {
  public:
   RingsEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
-      : VolumeEngine(volume, bit, material), first_living_ring_(static_cast<std::size_t>(volume.disc_count()), 0) {}
+      : VolumeEngine(volume, bit, material), first_occupied_ring_(static_cast<std::size_t>(volume.disc_count()), 0) {}
 
   std::size_t memory_bytes() const override {
-    return VolumeEngine::memory_bytes() + first_living_ring_.size() * sizeof(first_living_ring_[0]);
+    return VolumeEngine::memory_bytes() + first_occupied_ring_.size() * sizeof(first_occupied_ring_[0]);
   }
 
  protected:
-  std::vector<int> first_living_ring_;  ///< per disc: every ring within is wholly destroyed
+  std::vector<int> first_occupied_ring_;  ///< per disc: every ring within is wholly destroyed
 };
 
 // The paper's collision algorithm: section 7.1 and algorithm 1. Changed from the paper:
@@ -73,21 +73,21 @@ class ReferenceEngine final : public RingsEngine {
 
   void remove_in_disc(int disc, const SweptBit& bit, Removal& removal) noexcept {
     const int outermost = outermost_ring(disc, bit);
-    int& first_living_ring = first_living_ring_[static_cast<std::size_t>(disc)];
+    int& first_occupied_ring = first_occupied_ring_[static_cast<std::size_t>(disc)];
     bool all_dead_so_far = true;
-    for (int ring = first_living_ring; ring <= outermost; ++ring) {
+    for (int ring = first_occupied_ring; ring <= outermost; ++ring) {
       const std::size_t begin = DiscPattern::ring_start(ring);
       const std::size_t end = begin + DiscPattern::ring_size(ring);
       bool ring_dead = true;
       for (std::size_t i = begin; i < end; ++i) ring_dead &= remove_point(disc, i, bit, removal);
       all_dead_so_far &= ring_dead;
-      if (all_dead_so_far) first_living_ring = ring + 1;
+      if (all_dead_so_far) first_occupied_ring = ring + 1;
     }
   }
 
   /// Whether the point is dead afterwards.
   bool remove_point(int disc, std::size_t index, const SweptBit& bit, Removal& removal) noexcept {
-    if (!volume_.is_alive(disc, index)) return true;
+    if (!volume_.is_occupied(disc, index)) return true;
     ++removal.tested;
     if (!bit.contains_inlined(volume_.point_in_path_mm(disc, index))) return false;
     kill(disc, index, removal);
@@ -109,17 +109,17 @@ class ArcEngine final : public RingsEngine {
     for (int disc = first; disc <= last; ++disc) {
       const DiscSection section(bit, volume_.disc_depth_mm(disc), volume_.out_of_plane_mm());
       const double turns = std::atan2(section.y_mm, section.x_mm) / (2.0 * std::numbers::pi);
-      int& first_living_ring = first_living_ring_[static_cast<std::size_t>(disc)];
+      int& first_occupied_ring = first_occupied_ring_[static_cast<std::size_t>(disc)];
       const int rings = volume_.pattern().ring_count();
-      for (int ring = first_living_ring; ring < rings; ++ring) walk(disc, ring, section, turns, bit, removal);
-      while (first_living_ring < rings && is_dead(disc, first_living_ring)) ++first_living_ring;
+      for (int ring = first_occupied_ring; ring < rings; ++ring) walk(disc, ring, section, turns, bit, removal);
+      while (first_occupied_ring < rings && is_dead(disc, first_occupied_ring)) ++first_occupied_ring;
     }
   }
 
  private:
   bool is_dead(int disc, int ring) const noexcept {
     const std::size_t begin = DiscPattern::ring_start(ring);
-    return visit_up(volume_.alive_words(disc).data(), begin, begin + DiscPattern::ring_size(ring),
+    return visit_up(volume_.occupancy_words(disc).data(), begin, begin + DiscPattern::ring_size(ring),
                     [](std::size_t) { return false; });
   }
 
@@ -147,7 +147,7 @@ class ArcEngine final : public RingsEngine {
   }
 
   void remove_point(int disc, std::size_t index, const SweptBit& bit, Removal& removal) noexcept {
-    if (!volume_.is_alive(disc, index)) return;
+    if (!volume_.is_occupied(disc, index)) return;
     ++removal.tested;
     if (bit.contains_inlined(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
   }

@@ -1,12 +1,13 @@
 // The fast engine. Three ideas:
 //
-// 1. Certificates. A disc that was just looked at has a nearest living point; until the bit has moved by the gap to it,
+// 1. Certificates. A disc that was just looked at has a nearest occupied point; until the bit has moved by the gap to
+// it,
 //    the disc needs no look. How much of a move counts depends on where the bit is: behind the cone only what goes
 //    across its axis, in the cone also what goes forward, by the cone's slope. All discs are checked in one vector
 //    loop. Behind the cone a disc also knows an empty circle: a bit that trembles in its hole comes back to it.
-// 2. Gaps. A disc that does need a look knows for each ring between which living points the bit lies. Another vector
+// 2. Gaps. A disc that does need a look knows for each ring between which occupied points the bit lies. Another vector
 //    loop finds the few of these that the bit may reach; the others give the next certificate.
-// 3. Walks over living points only. From those on set bits are visited, on the side of the ring that is reached,
+// 3. Walks over occupied points only. From those on set bits are visited, on the side of the ring that is reached,
 //    until they are too far to be removed or to be the nearest survivor.
 //
 // Which points die is decided as in every engine: by SweptBit, asked only within what the step and its rounding leave
@@ -27,7 +28,7 @@
 #include "core/engine/detail/nearest_point.h"
 #include "core/engine/detail/ring_gaps.h"
 #include "core/engine/volume_engine.h"
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 
 namespace spinaltap {
 namespace {
@@ -45,14 +46,14 @@ class RingEngine final : public VolumeEngine {
         certificates_(static_cast<std::size_t>(volume.disc_count()), volume.pattern().spacing_mm(), kernels),
         circles_(static_cast<std::size_t>(volume.disc_count())),
         gaps_(static_cast<std::size_t>(volume.disc_count()), volume.pattern(), kernels),
-        first_living_ring_(static_cast<std::size_t>(volume.disc_count()), 0),
+        first_occupied_ring_(static_cast<std::size_t>(volume.disc_count()), 0),
         due_(static_cast<std::size_t>(volume.disc_count()), 0),
         rings_per_mm_(1.0 / volume.pattern().spacing_mm()),
         deviation_mm_(volume.deviation_mm(volume.pattern().ring_count() - 1)) {}
 
   std::size_t memory_bytes() const override {
     return VolumeEngine::memory_bytes() + certificates_.memory_bytes() + circles_.memory_bytes() +
-           gaps_.memory_bytes() + first_living_ring_.size() * sizeof(first_living_ring_[0]) +
+           gaps_.memory_bytes() + first_occupied_ring_.size() * sizeof(first_occupied_ring_[0]) +
            due_.size() * sizeof(due_[0]);
   }
 
@@ -62,7 +63,7 @@ class RingEngine final : public VolumeEngine {
       remove_without_certificates(bit, removal);
       return;
     }
-    const detail::Approach approach(bit, volume_.out_of_plane_mm());
+    const detail::PointApproach approach(bit, volume_.out_of_plane_mm());
     if (!is_near_reference(approach.line)) {
       reference_ = approach.line;
       has_reference_ = true;
@@ -107,7 +108,7 @@ class RingEngine final : public VolumeEngine {
            from_reference_mm(from) < kMaxMm;
   }
 
-  DiscCertificates::Motion motion(const detail::Approach& approach, const AxisLine& line) const noexcept {
+  DiscCertificates::Motion motion(const detail::PointApproach& approach, const AxisLine& line) const noexcept {
     DiscCertificates::Motion motion;
     motion.line = line;
     const SweptBit& bit = approach.bit;
@@ -144,7 +145,7 @@ class RingEngine final : public VolumeEngine {
     return count;
   }
 
-  bool is_worth_sharing(const detail::Approach& approach, std::size_t due_count) const noexcept {
+  bool is_worth_sharing(const detail::PointApproach& approach, std::size_t due_count) const noexcept {
     // Measured on two cores: sharing breaks even at about 20 us of work; a look at a disc costs 0.1 us, a point 10 ns.
     // Of small steps that is up to twice the work, for some discs turn out to be clear.
     constexpr double kMinUs = 50.0;
@@ -155,7 +156,7 @@ class RingEngine final : public VolumeEngine {
     return due_count > 16 && static_cast<double>(due_count) * (0.1 + 0.01 * points) > kMinUs;
   }
 
-  void cut_disc(int disc, const detail::Approach& approach, const AxisLine& line, Removal& removal) noexcept {
+  void cut_disc(int disc, const detail::PointApproach& approach, const AxisLine& line, Removal& removal) noexcept {
     const double z_mm = volume_.disc_depth_mm(disc);
     detail::NearestPoint nearest(approach, z_mm);
     if (deviation_mm_ > 0.0) {
@@ -178,7 +179,7 @@ class RingEngine final : public VolumeEngine {
   std::pair<int, int> rings_within(int disc, double off_axis_mm, double reach_mm) const noexcept {
     const int rings = volume_.pattern().ring_count();
     const auto ring_at = [&](double mm) { return static_cast<int>(std::clamp(mm * rings_per_mm_, 0.0, 1.0 * rings)); };
-    return {std::max(first_living_ring_[static_cast<std::size_t>(disc)], ring_at(off_axis_mm - reach_mm)),
+    return {std::max(first_occupied_ring_[static_cast<std::size_t>(disc)], ring_at(off_axis_mm - reach_mm)),
             std::min(rings, ring_at(off_axis_mm + reach_mm) + 2)};
   }
 
@@ -200,7 +201,7 @@ class RingEngine final : public VolumeEngine {
         walk_ring(disc, begin + offset + place, z_mm, static_cast<std::uint8_t>(ends), nearest, removal);
       }
     }
-    int& first = first_living_ring_[static_cast<std::size_t>(disc)];
+    int& first = first_occupied_ring_[static_cast<std::size_t>(disc)];
     while (first < volume_.pattern().ring_count() && gaps_.is_dead(disc, first)) ++first;
   }
 
@@ -235,11 +236,11 @@ class RingEngine final : public VolumeEngine {
     return {middle > 0 ? middle - 1 : size - 1, middle};
   }
 
-  /// Visits living points from those ends of the ring's gap on that are reached; from the middle to both sides where it
-  /// faces no gap that is known.
+  /// Visits occupied points from those ends of the ring's gap on that are reached; from the middle to both sides where
+  /// it faces no gap that is known.
   void walk_ring(int disc, int ring, double z_mm, std::uint8_t reached, detail::NearestPoint& nearest,
                  Removal& removal) noexcept {
-    std::uint64_t* words = volume_.alive_words(disc).data();
+    std::uint64_t* words = volume_.occupancy_words(disc).data();
     const std::size_t start = DiscPattern::ring_start(ring);
     const std::size_t end = start + DiscPattern::ring_size(ring);
     const double ring_mm = ring * volume_.pattern().spacing_mm();
@@ -308,7 +309,7 @@ class RingEngine final : public VolumeEngine {
     certificates_.fail_all();
     const auto [first, last] = discs_within(bit);
     for (int disc = first; disc <= last; ++disc) {
-      std::uint64_t* words = volume_.alive_words(disc).data();
+      std::uint64_t* words = volume_.occupancy_words(disc).data();
       visit_up(words, 0, volume_.pattern().point_count(), [&](std::size_t index) {
         ++removal.tested;
         if (bit.contains_inlined(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
@@ -320,8 +321,8 @@ class RingEngine final : public VolumeEngine {
   DiscCertificates certificates_;
   EmptyCircles circles_;
   RingGaps gaps_;
-  std::vector<int> first_living_ring_;  ///< per disc: every ring within is wholly destroyed
-  std::vector<int> due_;                ///< discs to look at, for one step
+  std::vector<int> first_occupied_ring_;  ///< per disc: every ring within is wholly destroyed
+  std::vector<int> due_;                  ///< discs to look at, for one step
   double rings_per_mm_;
   double deviation_mm_;  ///< of points from their rings, at most
   AxisLine reference_;

@@ -85,7 +85,7 @@ class SweptEngine : public DrillEngine {
   /// Bits are taken into `frame`, where numbers are small. Throws Error on a bad bit.
   SweptEngine(const DrillBit& bit, const PathFrame& frame);
 
-  /// Removes all living bone that the bit passes; coordinates of the frame.
+  /// Removes all occupied bone that the bit passes; coordinates of the frame.
   virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
   /// The same of pieces of a way that follow one another, at most kTogether: an engine's own where that is quicker.
   static constexpr std::size_t kTogether = 4;

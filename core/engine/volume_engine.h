@@ -35,7 +35,7 @@ class VolumeEngine : public SweptEngine {
 
  protected:
   void kill(int disc, std::size_t index, Removal& removal) noexcept {
-    volume_.set_alive(disc, index, false);
+    volume_.set_occupied(disc, index, false);
     account(disc, index, removal);
   }
   /// Counts a point that has been marked dead already.

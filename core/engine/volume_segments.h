@@ -25,8 +25,8 @@ std::vector<PointVolume> make_segments(const DrillPath& path, const std::vector<
 std::vector<VolumeSegment> fine_near_surface(const DrillPath& path, double lead_in_mm, const BoneSampler& bone,
                                              double near_mm, double tip_mm, double fine_mm, double coarse_mm);
 
-/// One bit in several volumes, whose living points no two share; the sums of what its engines do, which all advance by
-/// the same way. Throws Error without any engine.
+/// One bit in several volumes, whose occupied points no two share; the sums of what its engines do, which all advance
+/// by the same way. Throws Error without any engine.
 std::unique_ptr<DrillEngine> make_joint_engine(std::vector<std::unique_ptr<DrillEngine>> engines);
 
 }  // namespace spinaltap

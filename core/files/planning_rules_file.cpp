@@ -29,10 +29,10 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   options.furthest_share = rules.number("furthest_share");
   options.max_turn_deg = rules.number("max_turn_deg");
   const JsonObject weights(rules.at("weights"), path);
-  check_keys(
-      rules.at("weights"),
-      {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis", "approach", "alike", "hold"},
-      path, "a weight of planning");
+  check_keys(rules.at("weights"),
+             {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis", "approach", "alike",
+              "fixation", "hold"},
+             path, "a weight of planning");
   options.weights.length = weights.number("length");
   options.weights.diameter = weights.number("diameter");
   options.weights.clearance = weights.number("clearance");
@@ -42,8 +42,9 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   options.weights.approach = weights.number("approach");
   options.weights.alike = weights.number("alike");
   options.weights.along_axis = weights.number("along_axis");
-  // Rules of before this weight: as then, without the term.
-  options.weights.hold = weights.has("hold") ? weights.number("hold") : 0.0;
+  // Named hold once; rules of before this weight: as then, without the term.
+  const char* const fixation = weights.has("hold") ? "hold" : "fixation";
+  options.weights.fixation = weights.has(fixation) ? weights.number(fixation) : 0.0;
   return options;
 }
 

@@ -50,9 +50,9 @@ struct DrillForce {
   Vec3 contact_n = Vec3::Zero();  ///< of touching without cutting
   Vec3 support_n = Vec3::Zero();  ///< of its hole's wall, which holds a turning drill that is pushed sideways
   double feed_mm_per_turn = 0.0;
-  double tip_density_g_cm3 = 0.0;  ///< of the living bone just ahead of the chisel edge; 0 where there is none
+  double tip_density_g_cm3 = 0.0;  ///< of the occupied bone just ahead of the chisel edge; 0 where there is none
   CuttingResistance resistance;
-  ContactStiffness hold;  ///< zero unless asked for: DrillForces::tell_hold()
+  ContactStiffness contact;  ///< zero unless asked for: DrillForces::report_contact()
 };
 
 }  // namespace spinaltap

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/force/detail/hold_sum.h"
+#include "core/force/detail/contact_stiffness_sum.h"
 #include "core/force/detail/hole_behind.h"
 #include "core/force/detail/lattice_section.h"
 #include "core/force/detail/tool_contact.h"
@@ -130,7 +130,7 @@ class UncutAdvance {
 class LatticeAreaCorrection {
  public:
   void reset() noexcept { *this = LatticeAreaCorrection(); }
-  double factor(const LivingBone& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
+  double factor(const OccupiedBone& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
     const PointVolume* const points = bone.discs_at(pose.tip_mm.z() - back_mm * pose.axis.z());
     if (points == nullptr) return 1.0;
     const double spacing_mm = points->pattern().spacing_mm();
@@ -170,16 +170,16 @@ class LatticeAreaCorrection {
 }  // namespace
 
 struct DrillForces::State {
-  State(std::unique_ptr<const LivingBone> own_bone, const DrillBit& drill_bit, const Material& drilled)
+  State(std::unique_ptr<const OccupiedBone> own_bone, const DrillBit& drill_bit, const Material& drilled)
       : State(*own_bone, drill_bit, drilled) {
     own = std::move(own_bone);
   }
-  State(const LivingBone& living, const DrillBit& drill_bit, const Material& drilled)
+  State(const OccupiedBone& occupied, const DrillBit& drill_bit, const Material& drilled)
       : bit(drill_bit),
         law(drill_bit, drilled),
         band(drilled),
         feed_exponent(drilled.feed_exponent),
-        bone(living),
+        bone(occupied),
         tip(probe_of(bone, drill_bit, law)),
         shell(bone, drill_bit),
         wall(bone, drill_bit),
@@ -190,7 +190,7 @@ struct DrillForces::State {
   /// A plate's walls lie on both sides of its middle, half its thickness off.
   double wall_mm() const noexcept { return bit.is_plate() ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
 
-  static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const ToolLaw& law) {
+  static ChiselProbe probe_of(const OccupiedBone& bone, const DrillBit& bit, const ToolLaw& law) {
     return bit.is_plate() ? ChiselProbe::of_edge(bone, bit.diameter_mm) : ChiselProbe(bone, law.chisel_radius_mm());
   }
 
@@ -218,8 +218,8 @@ struct DrillForces::State {
   ToolLaw law;
   ForceBand band;
   double feed_exponent;
-  std::unique_ptr<const LivingBone> own;  ///< null: another's
-  const LivingBone& bone;
+  std::unique_ptr<const OccupiedBone> own;  ///< null: another's
+  const OccupiedBone& bone;
   ChiselProbe tip;
   ToolContact shell;
   WallSupport wall;
@@ -233,7 +233,7 @@ struct DrillForces::State {
   Vec3 velocity_mm_s = Vec3::Zero(), turn_per_s = Vec3::Zero();
   Vec3 tip_mm = Vec3::Zero(), axis_before = Vec3::UnitZ();  ///< patient LPS
   bool is_placed = false;
-  bool tells_hold = false;
+  bool reports_contact = false;
   bool has_support = true;
 };
 
@@ -277,7 +277,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double back_mm2 = aside[0] > 0.0 ? aside[4] / aside[0] : places.back_mm2;
   const double across_mm_s = std::sqrt(way_mm_s.square_mm2(back_mm, back_mm2));
   const double across_mm = across_mm_s / turns_per_s;
-  const LivingBone::Mean ahead = tip.ahead_of(path_pose);
+  const OccupiedBone::Mean ahead = tip.ahead_of(path_pose);
 
   force.tip_density_g_cm3 = ahead.density_g_cm3;
   force.feed_mm_per_turn = std::hypot(advance_mm_s, across_mm_s) / turns_per_s;
@@ -309,7 +309,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   force.lateral_n = -with_turn_n - law.lip_thrust_share() * side_n;
 }
 
-DrillForces::DrillForces(const LivingBone& bone, const DrillBit& bit, const Material& material)
+DrillForces::DrillForces(const OccupiedBone& bone, const DrillBit& bit, const Material& material)
     : state_(std::make_unique<State>(bone, bit, material)) {}
 DrillForces::DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material)
     : state_(std::make_unique<State>(std::make_unique<BonePoints>(volumes, material), bit, material)) {}
@@ -318,7 +318,7 @@ DrillForces::DrillForces(DrillForces&&) noexcept = default;
 DrillForces& DrillForces::operator=(DrillForces&&) noexcept = default;
 
 void DrillForces::reset() noexcept { state_->reset(); }
-void DrillForces::tell_hold() noexcept { state_->tells_hold = true; }
+void DrillForces::report_contact() noexcept { state_->reports_contact = true; }
 void DrillForces::leave_out_support() noexcept { state_->has_support = false; }
 
 DrillForce DrillForces::update(const StepResult& result, const Pose& pose, double dt_s,
@@ -338,8 +338,8 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   state.is_placed = true;
   state.axis_before = axis;
   state.tip_mm = pose.tip_mm;
-  HoldSum hold;
-  HoldSum* const told = state.tells_hold ? &hold : nullptr;
+  ContactStiffnessSum contact;
+  ContactStiffnessSum* const wanted = state.reports_contact ? &contact : nullptr;
   const double newer = dt_s / (kSpeedFilterS + dt_s);
   state.velocity_mm_s += newer * (move_mm / dt_s - state.velocity_mm_s);
   state.turn_per_s += newer * (turn / dt_s - state.turn_per_s);
@@ -352,12 +352,12 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
     state.budget_mm3 = 0.0;
     force.tip_density_g_cm3 = state.tip.ahead_of(path_pose).density_g_cm3;
     state.wall.reset();
-    const Vec3 contact_n = state.shell.contact_n(path_pose, told);
+    const Vec3 contact_n = state.shell.contact_n(path_pose, wanted);
     force.contact_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), contact_n}).axis;
     const double damping = damping_factor(force.contact_n, state.velocity_mm_s);
     force.contact_n *= damping;
     force.force_n = force.contact_n;
-    if (told != nullptr) force.hold = hold.in_patient(state.bone.frame(), damping);
+    if (wanted != nullptr) force.contact = contact.in_patient(state.bone.frame(), damping);
     return force;
   }
   if (was_placed) state.take_step(result, path_pose, axis, move_mm, turn);
@@ -369,10 +369,10 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
       return state.bone.frame().to_path(Pose{Vec3::Zero(), patient}).axis;
     };
     const Vec3 support_n =
-        state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s, told);
+        state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s, wanted);
     force.support_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), support_n}).axis;
   }
-  if (told != nullptr) force.hold = hold.in_patient(state.bone.frame());
+  if (wanted != nullptr) force.contact = contact.in_patient(state.bone.frame());
   force.force_n = force.lateral_n + force.support_n - force.thrust_n * axis;
   return force;
 }

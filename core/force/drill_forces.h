@@ -7,7 +7,7 @@
 #include "core/engine/drill_engine.h"
 #include "core/force/cutting_law.h"
 #include "core/force/drill_force.h"
-#include "core/points/living_bone.h"
+#include "core/points/occupied_bone.h"
 
 namespace spinaltap {
 
@@ -18,7 +18,7 @@ namespace spinaltap {
 class DrillForces {
  public:
   /// `bone`: what the engine drills; it must outlive this. Throws Error on a bad bit or material.
-  DrillForces(const LivingBone& bone, const DrillBit& bit, const Material& material);
+  DrillForces(const OccupiedBone& bone, const DrillBit& bit, const Material& material);
   /// Of volumes end to end along one path, as BonePoints takes them.
   DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material);
   ~DrillForces();
@@ -32,7 +32,7 @@ class DrillForces {
   /// Back to the state after construction.
   void reset() noexcept;
   /// From now on forces have DrillForce::hold, also of a wall that nothing is pressed on yet: a microsecond a cycle.
-  void tell_hold() noexcept;
+  void report_contact() noexcept;
   /// From now on forces have no DrillForce::support_n, and force_n is without it: a microsecond and a half less a
   /// cycle.
   void leave_out_support() noexcept;

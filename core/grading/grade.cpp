@@ -444,7 +444,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.hu_band_shares = sections.band_shares();
 
   if (path.screw) {
-    graded.hold = screw_hold(path, bone_density(walls.bone(), hu, material.density), options.hold);
+    graded.fixation = screw_fixation(path, bone_density(walls.bone(), hu, material.density), options.fixation);
   }
 
   const FoundBreaches breaches = find_breaches(walls, tool, graded.rows, walk.axis, options.ring_points);

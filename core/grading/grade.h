@@ -11,7 +11,7 @@
 #include "core/ct/hu_to_density.h"
 #include "core/force/drill_force.h"
 #include "core/grading/path_findings.h"
-#include "core/grading/screw_hold.h"
+#include "core/grading/screw_fixation.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -49,7 +49,7 @@ struct GradeOptions {
   int ring_points = 48;                        ///< around the tool at each depth, where a breach is looked for
   Spindle spindle = {};                        ///< for the predicted thrust
   double feed_mm_s = 1.0;                      ///< the same; an operator's, and `drill`'s of 0.001 mm a cycle at 1 kHz
-  HoldModel hold = {};                         ///< for how well a screw holds
+  FixationModel fixation = {};                 ///< for how well a screw holds
 };
 
 /// What a tool meets at one depth of the tip's way.
@@ -105,7 +105,7 @@ struct PathGrade {
   double hu = 0.0;               ///< mean of the tool's volume in bone; NaN where there is none
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
   double max_thrust_n = 0.0;
-  std::optional<ScrewHold> hold;  ///< of the path's screw; nothing where it has none
+  std::optional<ScrewFixation> fixation;  ///< of the path's screw; nothing where it has none
   Interval max_thrust_band_n = {};
   std::vector<GradeRow> rows;
 };

@@ -43,7 +43,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   within(options.max_turn_deg, 0.0, 45.0, "a turn from the pedicle's axis (degrees)");
   const SuggestWeights& weights = options.weights;
   for (const double weight : {weights.length, weights.diameter, weights.clearance, weights.canal, weights.endplates,
-                              weights.density, weights.along_axis, weights.alike, weights.approach, weights.hold}) {
+                              weights.density, weights.along_axis, weights.alike, weights.approach, weights.fixation}) {
     within(weight, 0.0, 100.0, "weights");
   }
 }
@@ -237,7 +237,7 @@ class SideSearch {
     const double out_mm = candidate.path.screw->length_mm - one.path.path.length_mm();
     const double screw_mm = candidate.path.screw->diameter_mm;
     const double full_mm = options_.furthest_share * walls_.landmarks().body.depth_mm;
-    one.path.score += options_.weights.hold * hold_term(one.path);
+    one.path.score += options_.weights.fixation * fixation_term(one.path);
     one.worth = one.path.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
                 0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
                 2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0) -
@@ -247,9 +247,9 @@ class SideSearch {
   }
 
   /// 1 where the screw holds as screws of usual size do in sound vertebrae: some 1 kN in cadavers.
-  static double hold_term(const SuggestedPath& path) {
+  static double fixation_term(const SuggestedPath& path) {
     constexpr double kSoundN = 1000.0;
-    return std::min(1.0, path.grade.hold->pullout_n.median / kSoundN);
+    return std::min(1.0, path.grade.fixation->pullout_n.median / kSoundN);
   }
 
   /// A warning where a path converges as none published for its level does: then the level, the bone's planes or the

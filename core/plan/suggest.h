@@ -29,7 +29,7 @@ struct SuggestWeights {
   double along_axis = 1.0;  ///< how little the path is turned from its reference: see Trajectory
   double alike = 0.35;      ///< so much may both sides' paths lose together for one size of screw
   double approach = 1.0;    ///< how little the tool cuts behind its entry, and how flat the bone is there
-  double hold = 0.25;       ///< pull-out strength of the screw
+  double fixation = 0.25;   ///< pull-out strength of the screw
 };
 
 /// How a straight way through a pedicle is found.

@@ -56,9 +56,9 @@ BonePoints::BonePoints(std::span<const PointVolume> volumes, const Material& mat
   bones_ = Table(material, range);
 }
 
-bool BonePoints::has_living() const {
+bool BonePoints::has_occupied() const {
   return std::ranges::any_of(volumes_, [](const PointVolume& volume) {
-    return std::ranges::any_of(volume.alive_words(), [](std::uint64_t word) { return word != 0; });
+    return std::ranges::any_of(volume.occupancy_words(), [](std::uint64_t word) { return word != 0; });
   });
 }
 
@@ -69,14 +69,14 @@ std::size_t BonePoints::volume_at(double z_mm) const noexcept {
   return n;
 }
 
-const LivingBone::Bone* BonePoints::living_at(const Vec3& p) const noexcept {
+const OccupiedBone::Bone* BonePoints::occupied_at(const Vec3& p) const noexcept {
   const std::size_t n = volume_at(p.z());
   const PointVolume& volume = volumes_[n];
   const double disc = std::floor((p.z() - starts_mm_[n]) / volume.pattern().spacing_mm() + 0.5);
   if (!(disc >= 0.0 && disc < volume.disc_count())) return nullptr;
   const std::ptrdiff_t index = nearest_point(volume.pattern(), p.x(), p.y());
   const int number = static_cast<int>(disc);
-  if (index < 0 || !volume.is_alive(number, static_cast<std::size_t>(index))) return nullptr;
+  if (index < 0 || !volume.is_occupied(number, static_cast<std::size_t>(index))) return nullptr;
   return &bones_.of(volume.hu(number, static_cast<std::size_t>(index)));
 }
 
@@ -86,15 +86,15 @@ void BonePoints::add_ahead_of(const Vec3& p, const Vec3& axis, double share, Mea
   const double along = axis.z();
   const std::size_t volume = volume_at(p.z());
   const double spacing_mm = volumes_[volume].pattern().spacing_mm();
-  if (!(std::abs(along) >= kSteepest)) return mean.add(living_at(p + spacing_mm * axis), share);
+  if (!(std::abs(along) >= kSteepest)) return mean.add(occupied_at(p + spacing_mm * axis), share);
   // In discs towards which the bit points. The disc at the tip itself is cut; rounding does not make it the next.
   const double sign = along > 0.0 ? 1.0 : -1.0;
   const double at = sign * (p.z() - starts_mm_[volume]) / spacing_mm;
   const double next = std::floor(at + 1e-6) + 1.0;
   const double nearer = std::clamp(next - at, 0.0, 1.0);
   const auto on_disc = [&](double disc) -> Vec3 { return p + (disc - at) * spacing_mm / std::abs(along) * axis; };
-  mean.add(living_at(on_disc(next)), share * nearer);
-  mean.add(living_at(on_disc(next + 1.0)), share * (1.0 - nearer));
+  mean.add(occupied_at(on_disc(next)), share * nearer);
+  mean.add(occupied_at(on_disc(next + 1.0)), share * (1.0 - nearer));
 }
 
 void BonePoints::check_within(const DrillPath& path) const {

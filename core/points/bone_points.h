@@ -4,24 +4,25 @@
 #include <span>
 #include <vector>
 
-#include "core/points/living_bone.h"
+#include "core/points/occupied_bone.h"
 #include "core/points/point_volume.h"
 
 namespace spinaltap {
 
-/// The living points of volumes that lie end to end along one path, found by place. Coordinates are the first volume's.
-class BonePoints final : public LivingBone {
+/// The occupied points of volumes that lie end to end along one path, found by place. Coordinates are the first
+/// volume's.
+class BonePoints final : public OccupiedBone {
  public:
   /// The volumes must be filled and outlive this. Throws Error without any, where one does not lie along the first's
   /// path, and on a bad material.
   BonePoints(std::span<const PointVolume> volumes, const Material& material);
 
   const PathFrame& frame() const override { return volumes_.front().frame(); }
-  bool has_living() const override;
+  bool has_occupied() const override;
   double widest_spacing_mm() const override { return widest_spacing_mm_; }
   double spacing_mm(const Vec3& p) const noexcept override { return discs_at(p.z())->pattern().spacing_mm(); }
   /// Of jittered points, the place before that counts.
-  const Bone* living_at(const Vec3& p) const noexcept override;
+  const Bone* occupied_at(const Vec3& p) const noexcept override;
   /// By a line between the next two discs, one spacing ahead.
   void add_ahead_of(const Vec3& p, const Vec3& axis, double share, Mean& mean) const noexcept override;
   /// The volume nearest along the path.

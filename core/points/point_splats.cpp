@@ -43,7 +43,7 @@ void append(std::string& bytes, const Number& number) {
 }  // namespace
 
 PointSplats::PointSplats(const PointVolume& volume, const ScalarField& bone)
-    : splats_(volume.point_count()), alive_(volume.alive_words().begin(), volume.alive_words().end()) {
+    : splats_(volume.point_count()), occupied_(volume.occupancy_words().begin(), volume.occupancy_words().end()) {
   // Half a cube's diagonal: the farthest that a place of a surface is from the nearest point of a lattice.
   constexpr double kRadiusSpacings = 0.8661;
   const DiscPattern& pattern = volume.pattern();
@@ -59,7 +59,7 @@ PointSplats::PointSplats(const PointVolume& volume, const ScalarField& bone)
       splat.position_mm = points_mm[n].cast<float>();
       splat.radius_mm = static_cast<float>(kRadiusSpacings * spacing_mm);
       splat.hu = volume.hu(disc, n);
-      const bool is_surface = volume.is_alive(disc, n) && depths_mm[n] > -spacing_mm && gradients[n].norm() > 0.0;
+      const bool is_surface = volume.is_occupied(disc, n) && depths_mm[n] > -spacing_mm && gradients[n].norm() > 0.0;
       if (!is_surface) continue;
       splat.alpha = 1.0F;
       splat.normal = gradients[n].normalized().cast<float>();
@@ -81,23 +81,23 @@ PointSplats::PointSplats(const PointVolume& volume, const ScalarField& bone)
 }
 
 std::size_t PointSplats::update(const PointVolume& volume, const DrillBit& bit, const Pose& pose) {
-  const std::span<const std::uint64_t> now = volume.alive_words();
-  if (now.size() != alive_.size() || volume.point_count() != splats_.size()) {
+  const std::span<const std::uint64_t> now = volume.occupancy_words();
+  if (now.size() != occupied_.size() || volume.point_count() != splats_.size()) {
     fail("splats: expected the volume that they were made from");
   }
   const BitProfile profile(bit);
   const std::size_t count = volume.pattern().point_count();
-  const std::size_t words = volume.alive_words(0).size();
+  const std::size_t words = volume.occupancy_words(0).size();
   std::size_t changed = 0;
   const auto bring_to_light = [&](int disc, std::size_t index) {
     PointSplat& splat = splats_[static_cast<std::size_t>(disc) * count + index];
-    if (splat.alpha > 0.0F || !volume.is_alive(disc, index)) return;
+    if (splat.alpha > 0.0F || !volume.is_occupied(disc, index)) return;
     splat.alpha = 1.0F;
     splat.normal = towards_bit(profile, pose, splat.position_mm.cast<double>()).cast<float>();
     ++changed;
   };
   for (std::size_t n = 0; n < now.size(); ++n) {
-    for (std::uint64_t gone = alive_[n] & ~now[n]; gone != 0; gone &= gone - 1) {
+    for (std::uint64_t gone = occupied_[n] & ~now[n]; gone != 0; gone &= gone - 1) {
       const auto disc = static_cast<int>(n / words);
       const std::size_t index = n % words * 64 + static_cast<std::size_t>(std::countr_zero(gone));
       PointSplat& splat = splats_[static_cast<std::size_t>(disc) * count + index];
@@ -107,7 +107,7 @@ std::size_t PointSplats::update(const PointVolume& volume, const DrillBit& bit, 
         for (std::size_t k = first_[index]; k < first_[index + 1]; ++k) bring_to_light(beside, neighbours_[k]);
       }
     }
-    alive_[n] = now[n];
+    occupied_[n] = now[n];
   }
   return changed;
 }

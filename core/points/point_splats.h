@@ -27,10 +27,10 @@ struct PointSplat {
 class PointSplats {
  public:
   /// Splats of all points, disc by disc, in the order of the volume's indices. `bone`: the distance to its surface,
-  /// whose gradient gives normals. A surface point is alive and less than a spacing deep.
+  /// whose gradient gives normals. A surface point is occupied and less than a spacing deep.
   PointSplats(const PointVolume& volume, const ScalarField& bone);
 
-  /// Takes over which points of the volume are alive. What has come to light since the last call faces the bit, or,
+  /// Takes over which points of the volume are occupied. What has come to light since the last call faces the bit, or,
   /// where that is on its axis, the bit's base. Returns how many splats changed. `volume` is the one it was made from.
   std::size_t update(const PointVolume& volume, const DrillBit& bit, const Pose& pose);
 
@@ -38,7 +38,7 @@ class PointSplats {
 
  private:
   std::vector<PointSplat> splats_;
-  std::vector<std::uint64_t> alive_;  ///< as at the last call
+  std::vector<std::uint64_t> occupied_;  ///< as at the last call
   /// Of each point of a disc, those nearer than 1.5 spacings, itself too: from first_[n] to first_[n + 1].
   std::vector<std::uint32_t> neighbours_;
   std::vector<std::size_t> first_;

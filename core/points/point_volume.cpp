@@ -51,10 +51,10 @@ PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& option
   disc_count_ = static_cast<int>(discs);
   const std::size_t per_disc = pattern_.point_count();
   words_per_disc_ = (per_disc + 63) / 64;
-  alive_.assign(static_cast<std::size_t>(disc_count_) * words_per_disc_, ~std::uint64_t{0});
+  occupied_.assign(static_cast<std::size_t>(disc_count_) * words_per_disc_, ~std::uint64_t{0});
   if (per_disc % 64 != 0) {
     const std::uint64_t last = (std::uint64_t{1} << (per_disc % 64)) - 1;
-    for (int disc = 0; disc < disc_count_; ++disc) alive_words(disc).back() = last;
+    for (int disc = 0; disc < disc_count_; ++disc) occupancy_words(disc).back() = last;
   }
   if (options.hu_bits == HuBits::sixteen) {
     hu16_.assign(point_count(), 0);
@@ -65,14 +65,14 @@ PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& option
 
 double PointVolume::deviation_mm(int ring) const { return pattern_.deviation_mm(ring) + 1.7321 * jitter_mm_; }
 
-std::size_t PointVolume::alive_count() const {
+std::size_t PointVolume::occupied_count() const {
   std::size_t count = 0;
-  for (const std::uint64_t word : alive_) count += static_cast<std::size_t>(std::popcount(word));
+  for (const std::uint64_t word : occupied_) count += static_cast<std::size_t>(std::popcount(word));
   return count;
 }
 
 std::size_t PointVolume::memory_bytes() const {
-  return sizeof(*this) + alive_.size() * sizeof(alive_[0]) + hu16_.size() * sizeof(std::int16_t) + hu8_.size() +
+  return sizeof(*this) + occupied_.size() * sizeof(occupied_[0]) + hu16_.size() * sizeof(std::int16_t) + hu8_.size() +
          pattern_.point_count() * sizeof(Eigen::Vector2d);
 }
 
@@ -147,7 +147,7 @@ void fill_volume(PointVolume& volume, const BoneSampler& bone, const Progress& p
     for (std::size_t k = 0; k < points; ++k) {
       const auto disc = static_cast<int>(first + k / per_disc);
       const bool is_inside = distance_mm[k] < 0.0F;
-      volume.set_alive(disc, k % per_disc, is_inside);
+      volume.set_occupied(disc, k % per_disc, is_inside);
       if (is_inside && std::isnan(hu[k])) {
         fail("point volume: the CT number of a point inside the bone is not a number");
       }

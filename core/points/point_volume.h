@@ -17,20 +17,20 @@
 namespace spinaltap {
 
 /// The cylinder of discs of rings of points that a bit decimates (the paper's section 6). A point's position follows
-/// from its indices; what is stored of it is one bit, whether it is alive, and its CT number.
+/// from its indices; what is stored of it is one bit, whether it is occupied, and its CT number.
 class PointVolume {
  public:
-  /// A cylinder along the path, every point alive and of 0 HU. Discs: (lead-in + path length) / spacing, rounded. Of a
-  /// curved path it lies along its chord, wider by as much as the path is off that, in whole spacings, and so long that
-  /// it holds all within `radius_mm` of the path from the lead-in to the target.
-  /// Throws Error on absurd sizes (over 2^32 points).
+  /// A cylinder along the path, every point occupied and of 0 HU. Discs: (lead-in + path length) / spacing, rounded. Of
+  /// a curved path it lies along its chord, wider by as much as the path is off that, in whole spacings, and so long
+  /// that it holds all within `radius_mm` of the path from the lead-in to the target. Throws Error on absurd sizes
+  /// (over 2^32 points).
   PointVolume(const DrillPath& path, const PointVolumeOptions& options);
 
   const PathFrame& frame() const { return frame_; }
   const DiscPattern& pattern() const { return pattern_; }
   int disc_count() const { return disc_count_; }
   std::size_t point_count() const { return static_cast<std::size_t>(disc_count_) * pattern_.point_count(); }
-  std::size_t alive_count() const;
+  std::size_t occupied_count() const;
   double lead_in_mm() const { return lead_in_mm_; }
   /// Of all that is stored for the points.
   std::size_t memory_bytes() const;
@@ -48,19 +48,21 @@ class PointVolume {
   /// How far points lie, at most, out of their disc's plane, mm.
   double out_of_plane_mm() const { return jitter_mm_; }
 
-  bool is_alive(int disc, std::size_t index) const { return (word(disc, index) >> (index % 64) & 1) != 0; }
-  void set_alive(int disc, std::size_t index, bool alive) {
+  bool is_occupied(int disc, std::size_t index) const { return (word(disc, index) >> (index % 64) & 1) != 0; }
+  void set_occupied(int disc, std::size_t index, bool occupied) {
     const std::uint64_t bit = std::uint64_t{1} << (index % 64);
-    std::uint64_t& word = alive_[word_index(disc, index)];
-    word = alive ? word | bit : word & ~bit;
+    std::uint64_t& word = occupied_[word_index(disc, index)];
+    word = occupied ? word | bit : word & ~bit;
   }
   /// A disc's points, 64 to a word, the lowest bit first; bits beyond the last point are 0.
-  std::span<const std::uint64_t> alive_words(int disc) const {
-    return {alive_.data() + word_index(disc, 0), words_per_disc_};
+  std::span<const std::uint64_t> occupancy_words(int disc) const {
+    return {occupied_.data() + word_index(disc, 0), words_per_disc_};
   }
-  std::span<std::uint64_t> alive_words(int disc) { return {alive_.data() + word_index(disc, 0), words_per_disc_}; }
+  std::span<std::uint64_t> occupancy_words(int disc) {
+    return {occupied_.data() + word_index(disc, 0), words_per_disc_};
+  }
   /// All discs' words.
-  std::span<const std::uint64_t> alive_words() const { return alive_; }
+  std::span<const std::uint64_t> occupancy_words() const { return occupied_; }
 
   /// Of a point, as stored.
   std::int16_t hu(int disc, std::size_t index) const {
@@ -78,7 +80,7 @@ class PointVolume {
   std::size_t word_index(int disc, std::size_t index) const {
     return static_cast<std::size_t>(disc) * words_per_disc_ + index / 64;
   }
-  std::uint64_t word(int disc, std::size_t index) const { return alive_[word_index(disc, index)]; }
+  std::uint64_t word(int disc, std::size_t index) const { return occupied_[word_index(disc, index)]; }
   Vec3 jitter(int disc, std::size_t index) const;
 
   /// What hu_range() found. Threads that fill a volume forget it at once, and engines may be made at once.
@@ -119,7 +121,7 @@ class PointVolume {
   double jitter_mm_ = 0.0;
   std::uint64_t jitter_seed_ = 1;
   std::size_t words_per_disc_ = 0;
-  std::vector<std::uint64_t> alive_;
+  std::vector<std::uint64_t> occupied_;
   std::vector<std::int16_t> hu16_;  ///< empty where eight bits do
   std::vector<std::uint8_t> hu8_;
   mutable KeptRange hu_range_;

@@ -165,7 +165,7 @@ std::vector<Vote> votes_of(const SpineBodies& spine, const std::vector<Ribs>& ri
 }
 
 /// The levels that a body may be, the likeliest first. `place`: of the body above its stretch's first.
-std::vector<LevelOdds> odds_of(const std::vector<Vote>& votes, const Vote& likeliest, int place) {
+std::vector<LevelProbability> probabilities_of(const std::vector<Vote>& votes, const Vote& likeliest, int place) {
   constexpr double kTold = 0.01;
   std::map<Level, double> of_level;
   double whole = 0.0;
@@ -174,20 +174,22 @@ std::vector<LevelOdds> odds_of(const std::vector<Vote>& votes, const Vote& likel
     whole += weight;
     if (vote.lowest_place + place >= 0) of_level[level_at(*vote.kind, vote.lowest_place + place)] += weight;
   }
-  std::vector<LevelOdds> odds;
+  std::vector<LevelProbability> probabilities;
   for (const auto& [level, weight] : of_level) {
-    if (weight / whole >= kTold) odds.push_back({level, weight / whole});
+    if (weight / whole >= kTold) probabilities.push_back({level, weight / whole});
   }
-  std::stable_sort(odds.begin(), odds.end(),
-                   [](const LevelOdds& a, const LevelOdds& b) { return a.probability > b.probability; });
-  return odds;
+  std::stable_sort(probabilities.begin(), probabilities.end(),
+                   [](const LevelProbability& a, const LevelProbability& b) { return a.probability > b.probability; });
+  return probabilities;
 }
 
 /// The likeliest where that is likely enough to be a name.
-Level named(const std::vector<LevelOdds>& odds) {
+Level named(const std::vector<LevelProbability>& probabilities) {
   constexpr double kNamed = 0.9;
-  if (odds.empty() || odds.front().probability < kNamed || odds.front().level == Level::kSacrum) return Level::kNone;
-  return odds.front().level;
+  if (probabilities.empty() || probabilities.front().probability < kNamed ||
+      probabilities.front().level == Level::kSacrum)
+    return Level::kNone;
+  return probabilities.front().level;
 }
 
 /// What is said of a kind of people with another number of vertebrae than most between the last ribs and the sacrum.
@@ -249,7 +251,7 @@ LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& found_
   const std::vector<Ribs> ribs = within_ct(spine, found_ribs);
   LevelNames names;
   names.levels.assign(spine.bodies.size(), Level::kNone);
-  names.odds.resize(spine.bodies.size());
+  names.probabilities.resize(spine.bodies.size());
   const std::size_t lowest = spine.has_sacrum ? 1 : 0;  // of the vertebrae
   if (spine.has_sacrum) names.levels[0] = Level::kSacrum;
   for (const Stretch& stretch : stretches_of(spine)) {
@@ -261,8 +263,8 @@ LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& found_
     for (std::size_t m = 0; m < stretch.places.size(); ++m) {
       const std::size_t n = stretch.first + m;
       if (n < lowest) continue;
-      names.odds[n] = odds_of(votes, *likeliest, stretch.places[m]);
-      if (is_witnessed) names.levels[n] = named(names.odds[n]);
+      names.probabilities[n] = probabilities_of(votes, *likeliest, stretch.places[m]);
+      if (is_witnessed) names.levels[n] = named(names.probabilities[n]);
     }
     if (!is_witnessed) continue;
     if (std::string word = transitional_of(*likeliest->kind); !word.empty()) names.transitional = std::move(word);
@@ -273,11 +275,11 @@ LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& found_
   return names;
 }
 
-std::string in_words(const std::vector<LevelOdds>& odds) {
+std::string in_words(const std::vector<LevelProbability>& probabilities) {
   TextWriter text;
-  for (std::size_t n = 0; n < odds.size(); ++n) {
-    const double rounded = std::round(100.0 * odds[n].probability) / 100.0;
-    text << (n == 0 ? "" : ", ") << level_name(odds[n].level) << ' ' << rounded;
+  for (std::size_t n = 0; n < probabilities.size(); ++n) {
+    const double rounded = std::round(100.0 * probabilities[n].probability) / 100.0;
+    text << (n == 0 ? "" : ", ") << level_name(probabilities[n].level) << ' ' << rounded;
   }
   return text.str();
 }

@@ -16,8 +16,9 @@ enum class Ribs { unknown, none, one_side, both };
 
 /// What a row's bodies are called, from below.
 struct LevelNames {
-  std::vector<Level> levels;                 ///< kNone where nothing names it well enough
-  std::vector<std::vector<LevelOdds>> odds;  ///< of each body, from 0.01 on, the likeliest first; none where unknown
+  std::vector<Level> levels;  ///< kNone where nothing names it well enough
+  std::vector<std::vector<LevelProbability>>
+      probabilities;  ///< of each body, from 0.01 on, the likeliest first; none where unknown
   /// What speaks against five lumbar and twelve thoracic vertebrae; empty where nothing does.
   std::string transitional;
 };
@@ -34,6 +35,6 @@ std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t ind
 LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs);
 
 /// "L1 0.83, T12 0.15".
-std::string in_words(const std::vector<LevelOdds>& odds);
+std::string in_words(const std::vector<LevelProbability>& probabilities);
 
 }  // namespace spinaltap

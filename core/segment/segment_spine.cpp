@@ -126,7 +126,7 @@ Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given
       if (counted[body] != Level::kNone) levels[body] = counted[body];
     }
   }
-  return {{std::move(levels), std::vector<std::vector<LevelOdds>>(spine.bodies.size()), {}}, NameSource::given};
+  return {{std::move(levels), std::vector<std::vector<LevelProbability>>(spine.bodies.size()), {}}, NameSource::given};
 }
 
 Ribs ribs_of(const CutVertebra& cut) {
@@ -218,7 +218,7 @@ void set_name(LevelReport& report, const Names& names, std::size_t index) {
   const std::size_t from_above = names.levels().size() - 1 - index;
   report.level = level;
   report.name_source = level == Level::kNone ? NameSource::counted : names.source;
-  report.name_odds = names.found.odds[index];
+  report.name_probabilities = names.found.probabilities[index];
   report.name = level == Level::kNone ? "V" + std::to_string(from_above + 1) : level_name(level);
   report.label = level == Level::kNone ? kFirstUnnamedLabel + static_cast<int>(from_above) : static_cast<int>(level);
   if (level != Level::kC2) return;

@@ -48,7 +48,8 @@ struct LevelReport {
   std::string name;  ///< "T11", or "V3" without any word or hint
   Level level = Level::kNone;
   NameSource name_source = NameSource::counted;
-  std::vector<LevelOdds> name_odds{};  ///< what else it may be, the likeliest first; empty where the name was given
+  std::vector<LevelProbability>
+      name_probabilities{};  ///< what else it may be, the likeliest first; empty where the name was given
   Vec3 body_centre_mm = Vec3::Zero();
   Vec3 body_size_mm = Vec3::Zero();  ///< width, depth and height of the cylinder nearest to the body
   Mat3 body_axes = Mat3::Identity();

@@ -55,7 +55,7 @@ LevelWarnings warnings_of(const LevelReport& report) {
   for (const LevelWarning& warning : report.warnings) warnings.warnings.push_back(warning.text);
   if (report.name_source == NameSource::hint) {
     warnings.warnings.push_back("its name is a hint from the sacrum, the ribs and the bodies' sizes: check it (" +
-                                in_words(report.name_odds) + ")");
+                                in_words(report.name_probabilities) + ")");
   }
   return warnings;
 }

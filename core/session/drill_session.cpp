@@ -44,14 +44,14 @@ bool is_sound_time(double dt_s) noexcept {
 
 /// The rules with the cancellous density of the bone that a path is planned through, which whoever drills has seen in
 /// its CT: the median 5 mm from both ends. As they are where there is not enough of it.
-StateRules rules_for(const DrillPath& path, const LivingBone& bone, StateRules rules) {
+StateRules rules_for(const DrillPath& path, const OccupiedBone& bone, StateRules rules) {
   constexpr double kStepMm = 0.25, kFromEndsMm = 5.0;
   constexpr auto kEnough = static_cast<std::size_t>(5.0 / kStepMm);
   const auto at_ends = static_cast<std::size_t>(kFromEndsMm / kStepMm);
   const PathCurve curve(path);
   std::vector<double> density_g_cm3;
   for (double along_mm = kFromEndsMm; along_mm < curve.length_mm(); along_mm += kStepMm) {
-    const LivingBone::Bone* const at = bone.living_at(bone.frame().to_path(curve.pose_at(along_mm)).tip_mm);
+    const OccupiedBone::Bone* const at = bone.occupied_at(bone.frame().to_path(curve.pose_at(along_mm)).tip_mm);
     if (at != nullptr) density_g_cm3.push_back(at->density_g_cm3);
   }
   if (density_g_cm3.size() < kEnough + at_ends) return rules;
@@ -62,7 +62,7 @@ StateRules rules_for(const DrillPath& path, const LivingBone& bone, StateRules r
   return rules;
 }
 
-std::unique_ptr<const LivingBone> checked(std::unique_ptr<const LivingBone> bone) {
+std::unique_ptr<const OccupiedBone> checked(std::unique_ptr<const OccupiedBone> bone) {
   if (!bone) fail("session: expected a bone to drill, found none");
   return bone;
 }
@@ -94,7 +94,7 @@ void check_session_options(const SessionOptions& options) {
 }
 
 struct DrillSession::Tracking {
-  Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
+  Tracking(const DrillPath& path, const OccupiedBone& bone, const SessionOptions& options, bool has_clearances)
       : bit(tool_body(path.bit)), curve(path), watch(path, bone, options, has_clearances) {
     if (options.heat) heat.emplace(path, *options.heat);
     if (options.compliance.is_on) compliant.emplace(path.bit, options.compliance);
@@ -127,7 +127,7 @@ struct DrillSession::Tracking {
   bool has_begun = false;
 };
 
-DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBone> bone,
+DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const OccupiedBone> bone,
                            std::unique_ptr<DrillEngine> engine, const Material& material,
                            const ClearanceField* clearances, const SessionOptions& options)
     : path_(path),
@@ -141,7 +141,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
   check_path(path);
   check_session_options(options);
   if (options.follows_path) states_ = StateRecogniser(rules_for(path, *bone_, options.states));
-  if (!bone_->has_living()) {
+  if (!bone_->has_occupied()) {
     fail_as(ErrorKind::geometry, "path ", in_quotes(path.name),
             ": expected bone around it, found none: it misses the bone, or all is drilled away");
   }
@@ -160,7 +160,7 @@ DrillSession::~DrillSession() = default;
 
 DrillForces DrillSession::forces_for(const DrillBit& bit) const {
   DrillForces forces(*bone_, bit, material_);
-  if (options_.has_device) forces.tell_hold();
+  if (options_.has_device) forces.report_contact();
   if (!options_.has_support) forces.leave_out_support();
   return forces;
 }

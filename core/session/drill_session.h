@@ -11,7 +11,7 @@
 #include "core/base/progress.h"
 #include "core/engine/drill_engine.h"
 #include "core/force/drill_forces.h"
-#include "core/points/living_bone.h"
+#include "core/points/occupied_bone.h"
 #include "core/session/compliant_tool.h"
 #include "core/session/cycle.h"
 #include "core/session/session_setup.h"
@@ -26,8 +26,8 @@ class DrillSession {
  public:
   /// `engine` drills what `bone` tells of; what both stand on must outlive the session, as must `clearances`, which may
   /// be null: then there are none. Throws Error on bad options, and where the path leaves the bone's box or cylinder or
-  /// there is no living bone.
-  DrillSession(const DrillPath& path, std::unique_ptr<const LivingBone> bone, std::unique_ptr<DrillEngine> engine,
+  /// there is no occupied bone.
+  DrillSession(const DrillPath& path, std::unique_ptr<const OccupiedBone> bone, std::unique_ptr<DrillEngine> engine,
                const Material& material, const ClearanceField* clearances, const SessionOptions& options = {});
   /// `volumes`: filled, end to end along the path; they are drilled in place.
   DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
@@ -70,7 +70,7 @@ class DrillSession {
   void tell_depth() noexcept;
 
   DrillPath path_;
-  std::unique_ptr<const LivingBone> bone_;
+  std::unique_ptr<const OccupiedBone> bone_;
   std::unique_ptr<DrillEngine> engine_;
   Material material_;
   SessionOptions options_;

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/registration/registered_odds.h"
+#include "core/registration/registered_probabilities.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/plate.h"

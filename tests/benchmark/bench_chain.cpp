@@ -100,7 +100,7 @@ void fill_standard_volume(benchmark::State& state) {
     });
   }
   state.counters["points"] = static_cast<double>(volume.point_count());
-  state.counters["in_bone"] = static_cast<double>(volume.alive_count());
+  state.counters["in_bone"] = static_cast<double>(volume.occupied_count());
   state.counters["points_per_s"] =
       benchmark::Counter(static_cast<double>(volume.point_count()), benchmark::Counter::kIsIterationInvariantRate);
 }

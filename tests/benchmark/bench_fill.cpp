@@ -51,7 +51,7 @@ void fill(benchmark::State& state, double spacing_mm, const RbfField* exact) {
     });
   }
   state.counters["points"] = static_cast<double>(volume->point_count());
-  state.counters["in_bone"] = static_cast<double>(volume->alive_count());
+  state.counters["in_bone"] = static_cast<double>(volume->occupied_count());
 }
 
 void from_grids(benchmark::State& state, double spacing_mm) { fill(state, spacing_mm, nullptr); }

@@ -98,7 +98,7 @@ void cycles(benchmark::State& state, bool has_forces) {
       }
     }
     state.PauseTiming();
-    bone.revive(whole);
+    bone.restore(whole);
     engine->reset_motion();
     forces.reset();
     state.ResumeTiming();

@@ -33,7 +33,7 @@ void fill(benchmark::State& state) {
   const auto& file = bone_file();
   for ([[maybe_unused]] const auto _ : state) {
     const VoxelBone voxels(read_bone(file), {.voxel_mm = voxel_mm});
-    state.counters["voxels"] = static_cast<double>(voxels.alive_count());
+    state.counters["voxels"] = static_cast<double>(voxels.occupied_count());
     state.counters["tree_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes());
   }
 }
@@ -58,7 +58,7 @@ void fill_spine(benchmark::State& state) {
     state.PauseTiming();
     const auto engine = make_voxel_engine(voxels, milling_burr(4.0), {});
     state.counters["bones"] = static_cast<double>(bones.size());
-    state.counters["voxels"] = static_cast<double>(voxels.alive_count());
+    state.counters["voxels"] = static_cast<double>(voxels.occupied_count());
     state.counters["tree_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes());
     state.counters["with_engine_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes() + engine->memory_bytes());
     state.ResumeTiming();

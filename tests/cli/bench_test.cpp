@@ -46,8 +46,8 @@ TEST_F(Bench, MeasuresEnginesOnEachMotion) {
     EXPECT_EQ(one["timed_cycles"].get<int>(), is_whole ? 37'800 : 55);
     EXPECT_EQ(one["curve_begin_end_cycles_per_cpu_s"].size(), is_whole ? 100U : 21U);
   }
-  EXPECT_EQ(figures["runs"][2]["alive_hash"], figures["runs"][3]["alive_hash"]);
-  EXPECT_NE(figures["runs"][2]["alive_hash"], figures["runs"][6]["alive_hash"]);
+  EXPECT_EQ(figures["runs"][2]["occupancy_hash"], figures["runs"][3]["occupancy_hash"]);
+  EXPECT_NE(figures["runs"][2]["occupancy_hash"], figures["runs"][6]["occupancy_hash"]);
   EXPECT_THAT(read_whole_file(folder_.path() / "bench.html"), HasSubstr("Figure 20"));
 }
 
@@ -111,7 +111,7 @@ TEST_F(Bench, RepeatsItsTremorBySeed) {
             seed,
         folder_.path());
     EXPECT_EQ(run.exit_code, 0) << run.errors;
-    return read_json(folder_.path() / "bench.json")["runs"][0]["alive_hash"].get<std::string>();
+    return read_json(folder_.path() / "bench.json")["runs"][0]["occupancy_hash"].get<std::string>();
   };
   const std::string first = hash("1");
   EXPECT_EQ(first, hash("1"));

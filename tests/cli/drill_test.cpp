@@ -109,7 +109,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   around.origin_mm = centre_mm - Vec3::Constant(12.0);
   const LabelVolume map =
       read_label_volume(folder / "out" / "voxels.nii.gz", around, {.convention = LabelConvention::any_names});
-  EXPECT_EQ(map.names.at(1).name, "living bone");
+  EXPECT_EQ(map.names.at(1).name, "occupied bone");
   EXPECT_EQ(map.labels[around.offset(60, 60, 60)], 0) << "in the hole";
   const Vec3 beside = around.to_index(places[1]).array().round();
   EXPECT_EQ(map.labels[around.offset(static_cast<int>(beside.x()), static_cast<int>(beside.y()),

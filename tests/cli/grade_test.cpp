@@ -51,20 +51,20 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
     EXPECT_EQ(path["canal"]["side"], "medial");
     EXPECT_GT(path["max_thrust_n"].get<double>(), 1.0);
     // Some 45 mm of screw in cancellous bone of a sound vertebra: hundreds to thousands of newtons.
-    const Json& hold = path["hold"];
-    EXPECT_GT(hold["pullout_n"].get<double>(), 300.0);
-    EXPECT_LT(hold["pullout_n"].get<double>(), 5000.0);
+    const Json& fixation = path["fixation"];
+    EXPECT_GT(fixation["pullout_n"].get<double>(), 300.0);
+    EXPECT_LT(fixation["pullout_n"].get<double>(), 5000.0);
     for (const std::string name : {"pullout_n", "stiffness_n_mm", "max_torque_n_mm"}) {
-      EXPECT_LT(hold["p05_" + name].get<double>(), hold[name].get<double>()) << name;
-      EXPECT_GT(hold["p95_" + name].get<double>(), hold[name].get<double>()) << name;
+      EXPECT_LT(fixation["p05_" + name].get<double>(), fixation[name].get<double>()) << name;
+      EXPECT_GT(fixation["p95_" + name].get<double>(), fixation[name].get<double>()) << name;
     }
-    EXPECT_GT(hold["engaged_mm"].get<double>(), 30.0);
-    EXPECT_FALSE(hold.contains("rows"));
+    EXPECT_GT(fixation["engaged_mm"].get<double>(), 30.0);
+    EXPECT_FALSE(fixation.contains("rows"));
     EXPECT_LT(path["p05_thrust_n"].get<double>(), path["p95_thrust_n"].get<double>());
     EXPECT_GT(path["p95_thrust_n"].get<double>(), path["max_thrust_n"].get<double>());
   }
-  const Json whole_hold = read_json(folder_->path() / "out" / "grade.json")["paths"][0]["hold"];
-  EXPECT_GT(whole_hold["rows"].size(), 80U);
+  const Json whole_fixation = read_json(folder_->path() / "out" / "grade.json")["paths"][0]["fixation"];
+  EXPECT_GT(whole_fixation["rows"].size(), 80U);
   EXPECT_THAT(run.output, HasSubstr("pull-out (5 to 95 %)"));
   EXPECT_THAT(run.output, HasSubstr("screw 6.5 x 45 mm"));
   EXPECT_GT(read_json(folder_->path() / "out" / "grade.json")["paths"][1]["rows"].size(), 100U);

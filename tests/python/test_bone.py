@@ -71,16 +71,16 @@ class BoneFromFile(unittest.TestCase):
 
     def test_tells_how_a_screw_holds(self):
         path = made_bone.bone().suggest()[0].path
-        hold = made_bone.bone().grade(path).hold
-        self.assertLess(hold.p05_pullout_n, hold.pullout_n)
-        self.assertLess(hold.pullout_n, hold.p95_pullout_n)
-        self.assertEqual(len(hold.depth_mm), len(hold.torque_n_mm))
-        self.assertAlmostEqual(max(hold.torque_n_mm), hold.max_torque_n_mm)
-        self.assertGreater(hold.stiffness_n_mm, 0.0)
-        self.assertTrue(0.0 <= hold.cortical_share <= 1.0)
+        fixation = made_bone.bone().grade(path).hold
+        self.assertLess(fixation.p05_pullout_n, fixation.pullout_n)
+        self.assertLess(fixation.pullout_n, fixation.p95_pullout_n)
+        self.assertEqual(len(fixation.depth_mm), len(fixation.torque_n_mm))
+        self.assertAlmostEqual(max(fixation.torque_n_mm), fixation.max_torque_n_mm)
+        self.assertGreater(fixation.stiffness_n_mm, 0.0)
+        self.assertTrue(0.0 <= fixation.cortical_share <= 1.0)
         self.assertAlmostEqual(path.screw.core_diameter_mm / path.screw.diameter_mm, 0.65, delta=0.01)
         bare = spinaltap.Path(path.entry_mm, path.target_mm)
-        self.assertIsNone(made_bone.bone().grade(bare).hold)
+        self.assertIsNone(made_bone.bone().grade(bare).fixation)
         with self.assertRaises(spinaltap.Error):
             spinaltap.Screw(6.5, 45.0, core_diameter_mm=7.0)
         self.assertEqual(spinaltap.Screw(6.5, 45.0, pitch_mm=2.0).pitch_mm, 2.0)

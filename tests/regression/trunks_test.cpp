@@ -82,7 +82,7 @@ TrunkCounts examine(std::uint64_t seed, Reliability& reliability) {
       ++(is_right ? counts.named : counts.misnamed);
       if (!is_right && counts.misnamed == 1) {
         std::printf("%s %s: named %s, likely %s\n", what.c_str(), level_name(level.level).c_str(), report.name.c_str(),
-                    in_words(report.name_odds).c_str());
+                    in_words(report.name_probabilities).c_str());
       }
     }
     if (!is_wrong) {

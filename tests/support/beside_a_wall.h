@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/uncertainty/placement_odds.h"
+#include "core/uncertainty/placement_probabilities.h"
 #include "tests/support/planning_bones.h"
 
 namespace spinaltap::test {

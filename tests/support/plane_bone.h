@@ -43,7 +43,7 @@ class PlaneBone {
       const double push_n = contact_n_mm_ * into_mm * std::max(0.0, 1.0 + 0.0015 * speed_mm_s_.z());
       force.contact_n = -push_n * Vec3::UnitZ();
       force.force_n = force.contact_n;
-      force.hold.stiffness[14] = contact_n_mm_;
+      force.contact.stiffness[14] = contact_n_mm_;
       return felt;
     }
     if (tip_mm.z() > bottom_mm_ - 0.02) {
@@ -57,7 +57,7 @@ class PlaneBone {
     pressed_turn_ = left * across(pressed_turn_ + turned);
     // Rings of wall of 2 mm, each two thirds of a flat bit's section.
     const Vec3 u = any_perpendicular(axis_), v = axis_.cross(u);
-    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> hold(force.hold.stiffness.data());
+    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> hold(force.contact.stiffness.data());
     for (double back_mm = 2.0; back_mm < std::min(tip_mm.z(), 50.0); back_mm += 2.0) {
       const Vec3 from_tip_mm = -back_mm * axis_;
       const Vec3 aside_mm = pressed_mm_ - back_mm * pressed_turn_;
@@ -65,7 +65,7 @@ class PlaneBone {
         const double stiff_n_mm = 2.0 / 3.0 * contact_n_mm_;
         const Vec3 push_n = -stiff_n_mm * aside_mm.dot(direction) * direction;
         force.support_n += push_n;
-        force.hold.moment_n_mm += from_tip_mm.cross(push_n);
+        force.contact.moment_n_mm += from_tip_mm.cross(push_n);
         Eigen::Matrix<double, 6, 1> lever;
         lever << direction, from_tip_mm.cross(direction);
         hold += stiff_n_mm * lever * lever.transpose();

@@ -15,8 +15,9 @@ void LevelTable::add(const LevelRow& row) {
   line << row.ct << ',' << row.slice_mm << ',' << row.level << ',' << (row.found != nullptr ? 1 : 0) << ',' << row.dice
        << ',' << row.centre_mm << ',' << (row.is_wrong ? 1 : 0) << ',' << (row.is_told ? 1 : 0) << ',';
   if (row.found != nullptr) {
-    const auto& odds = row.found->name_odds;
-    line << row.found->severity << ',' << row.found->name << ',' << (odds.empty() ? 0.0 : odds.front().probability);
+    const auto& probabilities = row.found->name_probabilities;
+    line << row.found->severity << ',' << row.found->name << ','
+         << (probabilities.empty() ? 0.0 : probabilities.front().probability);
     for (const double figure : row.figures) line << ',' << figure;
   } else {
     line << ",," << std::string(kDoubtFigures.size(), ',');

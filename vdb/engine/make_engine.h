@@ -7,8 +7,8 @@
 
 namespace spinaltap {
 
-/// For any motion and any tool: keeps a volume's living points in the leaves of a VDB tree, passes over those that the
-/// bit cannot have reached since they were last looked at, classifies the others' boxes against the swept bit, and
+/// For any motion and any tool: keeps a volume's occupied points in the leaves of a VDB tree, passes over those that
+/// the bit cannot have reached since they were last looked at, classifies the others' boxes against the swept bit, and
 /// drops what is empty. Removes the same points as all engines; the volume must outlive it.
 std::unique_ptr<DrillEngine> make_leaf_engine(PointVolume& volume, const DrillBit& bit, const Material& material);
 

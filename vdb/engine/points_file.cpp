@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 
@@ -24,24 +24,24 @@ constexpr const char* kGridName = "points";
 constexpr const char* kHu = "hu";
 constexpr const char* kDensity = "density";
 
-struct LivingPoints {
+struct OccupiedPoints {
   std::vector<openvdb::Vec3R> positions_mm;
   std::vector<int> hu;
 };
 
-LivingPoints living_points(const PointVolume& volume) {
-  LivingPoints living;
-  const std::size_t count = volume.alive_count();
-  living.positions_mm.reserve(count);
-  living.hu.reserve(count);
+OccupiedPoints occupied_points(const PointVolume& volume) {
+  OccupiedPoints occupied;
+  const std::size_t count = volume.occupied_count();
+  occupied.positions_mm.reserve(count);
+  occupied.hu.reserve(count);
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
-    visit_up(volume.alive_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
-      living.positions_mm.push_back(detail::to_vdb(volume.frame().to_patient(volume.point_in_path_mm(disc, index))));
-      living.hu.push_back(volume.hu(disc, index));
+    visit_up(volume.occupancy_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
+      occupied.positions_mm.push_back(detail::to_vdb(volume.frame().to_patient(volume.point_in_path_mm(disc, index))));
+      occupied.hu.push_back(volume.hu(disc, index));
       return true;
     });
   }
-  return living;
+  return occupied;
 }
 
 template <class Value>
@@ -51,20 +51,21 @@ void add_attribute(PointDataGrid& grid, const PointIndexGrid& index, const char*
   points::populateAttribute(grid.tree(), index.tree(), name, points::PointAttributeVector<Value>(values));
 }
 
-PointDataGrid::Ptr make_grid(const LivingPoints& living, const PointVolume& volume, const PointsFileOptions& options) {
+PointDataGrid::Ptr make_grid(const OccupiedPoints& occupied, const PointVolume& volume,
+                             const PointsFileOptions& options) {
   // About eight points to a voxel, as OpenVDB advises. The origin lies in the volume, so that indices are small.
   const auto transform = openvdb::math::Transform::createLinearTransform(2.0 * volume.pattern().spacing_mm());
   transform->postTranslate(detail::to_vdb(volume.frame().to_patient(Vec3::Zero())));
-  const points::PointAttributeVector<openvdb::Vec3R> positions(living.positions_mm);
+  const points::PointAttributeVector<openvdb::Vec3R> positions(occupied.positions_mm);
   const auto index = openvdb::tools::createPointIndexGrid<PointIndexGrid>(positions, *transform);
   auto grid = points::createPointDataGrid<points::FixedPointCodec<false, points::PositionRange>, PointDataGrid>(
       *index, positions, *transform);
   grid->setName(kGridName);
-  add_attribute(*grid, *index, kHu, living.hu);
+  add_attribute(*grid, *index, kHu, occupied.hu);
   if (options.density) {
     std::vector<float> density;
-    density.reserve(living.hu.size());
-    for (const int hu : living.hu) density.push_back(static_cast<float>(options.density->density_g_cm3(hu)));
+    density.reserve(occupied.hu.size());
+    for (const int hu : occupied.hu) density.push_back(static_cast<float>(options.density->density_g_cm3(hu)));
     add_attribute(*grid, *index, kDensity, density);
   }
   return grid;
@@ -98,8 +99,8 @@ void read_attribute(const PointDataGrid::TreeType::LeafNodeType& leaf, const cha
 void write_points(const PointVolume& volume, const DrillPath& path, const std::filesystem::path& file,
                   const PointsFileOptions& options) {
   initialize_openvdb();
-  const LivingPoints living = living_points(volume);
-  const PointDataGrid::Ptr grid = make_grid(living, volume, options);
+  const OccupiedPoints occupied = occupied_points(volume);
+  const PointDataGrid::Ptr grid = make_grid(occupied, volume, options);
   add_metadata(*grid, volume, path);
   StagedOutput output;
   const std::filesystem::path staged = output.stage(file);

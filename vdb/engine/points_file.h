@@ -17,10 +17,10 @@ struct PointsFileOptions {
   std::optional<HuToDensity> density;
 };
 
-/// Saves a volume's living points as an OpenVDB point grid named "points", which Houdini and Blender show. World space
-/// is patient LPS, mm. Attributes: P, in fixed point, right to 1/65536 of a voxel of two spacings; "hu", whole numbers;
-/// "density", g/cm³, where asked for. Metadata "spinaltap:...": path (its name), entry_mm and target_mm (patient LPS),
-/// spacing_mm, radius_mm. The same volume gives the same bytes. The file appears whole or not at all.
+/// Saves a volume's occupied points as an OpenVDB point grid named "points", which Houdini and Blender show. World
+/// space is patient LPS, mm. Attributes: P, in fixed point, right to 1/65536 of a voxel of two spacings; "hu", whole
+/// numbers; "density", g/cm³, where asked for. Metadata "spinaltap:...": path (its name), entry_mm and target_mm
+/// (patient LPS), spacing_mm, radius_mm. The same volume gives the same bytes. The file appears whole or not at all.
 /// Throws Error where it cannot be written.
 void write_points(const PointVolume& volume, const DrillPath& path, const std::filesystem::path& file,
                   const PointsFileOptions& options = {});

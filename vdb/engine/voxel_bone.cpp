@@ -22,7 +22,7 @@ using openvdb::Coord;
 constexpr int kSide = static_cast<int>(VoxelLeafNode::DIM);
 constexpr openvdb::Index kLeafWords = VoxelLeafNode::SIZE / 64;
 
-/// Leaves that may hold living voxels: their origins over their side.
+/// Leaves that may hold occupied voxels: their origins over their side.
 struct LeafRange {
   Coord first, last;
   std::size_t count() const {
@@ -93,24 +93,24 @@ class LeafFiller {
                   const Coord& origin, std::unique_ptr<VoxelLeafNode>& node) {
     const int sign = bone.samplers().distance.sign(block);
     if (sign > 0) return;
-    VoxelLeafNode::NodeMaskType alive = within;
+    VoxelLeafNode::NodeMaskType occupied = within;
     std::array<float, VoxelLeafNode::SIZE> values;
     if (sign == 0) {
       bone.samplers().distance.linear(block, values);
       for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
-        if (!(values[n] < 0.0F)) alive.setOff(n);
+        if (!(values[n] < 0.0F)) occupied.setOff(n);
       }
     }
-    if (node) alive -= node->getValueMask();
-    if (alive.isOff()) return;
+    if (node) occupied -= node->getValueMask();
+    if (occupied.isOff()) return;
     if (!node) node = std::make_unique<VoxelLeafNode>(origin, std::uint8_t{0}, false);
     bone.samplers().hu.linear(block, values);
     std::uint8_t* const bytes = node->buffer().data();
     for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
-      if (alive.isOff(n)) continue;
+      if (occupied.isOff(n)) continue;
       bytes[n] = byte_of_hu(std::isnan(values[n]) ? 0.0 : static_cast<double>(values[n]));
     }
-    node->setValueMask(node->getValueMask() | alive);
+    node->setValueMask(node->getValueMask() | occupied);
   }
 
   std::span<const BoneModel> bones_;
@@ -142,7 +142,7 @@ VoxelBone::VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& o
   const int layer_count = range.last.x() - range.first.x() + 1;
   const auto layers = static_cast<std::size_t>(layer_count);
   std::vector<std::vector<std::unique_ptr<VoxelLeafNode>>> found(layers);
-  std::atomic<std::size_t> alive{0};
+  std::atomic<std::size_t> occupied{0};
   constexpr std::size_t kMaxVoxels = std::size_t{1} << 31;
   ProgressCounter counter(progress, "filling voxels", layers);
   tbb::parallel_for(std::size_t{0}, layers, [&](std::size_t layer) {
@@ -155,13 +155,13 @@ VoxelBone::VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& o
         found[layer].push_back(std::move(node));
       }
     }
-    if (alive.fetch_add(count) + count > kMaxVoxels) {
+    if (occupied.fetch_add(count) + count > kMaxVoxels) {
       fail("voxels: expected at most 2^31 voxels of bone: take larger ones than ", options.voxel_mm,
            " mm, or a region");
     }
     counter.add();
   });
-  if (alive == 0) fail("voxels: expected bone, found no voxel of ", options.voxel_mm, " mm within");
+  if (occupied == 0) fail("voxels: expected bone, found no voxel of ", options.voxel_mm, " mm within");
   for (auto& layer : found) {
     for (auto& node : layer) leaves_->tree.addLeaf(node.release());
   }
@@ -174,8 +174,8 @@ VoxelBone::VoxelBone(const VoxelBone& other) : leaves_(std::make_unique<detail::
 double VoxelBone::voxel_mm() const { return leaves_->voxel_mm; }
 const Box3& VoxelBone::region_mm() const { return leaves_->region_mm; }
 
-void VoxelBone::revive(const VoxelBone& whole) {
-  const auto reject = [] { fail("voxels: expected to be revived from the bone that they are a copy of"); };
+void VoxelBone::restore(const VoxelBone& whole) {
+  const auto reject = [] { fail("voxels: expected to be restored from the bone that they are a copy of"); };
   if (whole.voxel_mm() != voxel_mm()) reject();
   auto from = whole.leaves_->tree.cbeginLeaf();
   for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf, ++from) {
@@ -189,23 +189,23 @@ void VoxelBone::revive(const VoxelBone& whole) {
   for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf, ++from) leaf->setValueMask(from->getValueMask());
 }
 
-void VoxelBone::get_living_words(std::vector<std::uint64_t>& words) const {
+void VoxelBone::get_occupancy_words(std::vector<std::uint64_t>& words) const {
   words.reserve(words.size() + std::size_t{kLeafWords} * leaves_->tree.leafCount());
   for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf) {
     for (openvdb::Index n = 0; n < kLeafWords; ++n) words.push_back(leaf->getValueMask().getWord<std::uint64_t>(n));
   }
 }
 
-void VoxelBone::set_living_words(std::span<const std::uint64_t> words) {
+void VoxelBone::set_occupancy_words(std::span<const std::uint64_t> words) {
   const std::size_t expected = std::size_t{kLeafWords} * leaves_->tree.leafCount();
-  if (words.size() != expected) fail("voxels: expected ", expected, " living words, found ", words.size());
+  if (words.size() != expected) fail("voxels: expected ", expected, " occupied words, found ", words.size());
   auto from = words.begin();
   for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf) {
     for (openvdb::Index n = 0; n < kLeafWords; ++n) leaf->getValueMask().getWord<std::uint64_t>(n) = *from++;
   }
 }
 
-bool VoxelBone::is_alive(const Eigen::Vector3i& voxel) const {
+bool VoxelBone::is_occupied(const Eigen::Vector3i& voxel) const {
   return leaves_->tree.isValueOn(Coord(voxel.x(), voxel.y(), voxel.z()));
 }
 
@@ -213,7 +213,7 @@ std::int16_t VoxelBone::hu(const Eigen::Vector3i& voxel) const {
   return hu_of_byte(leaves_->tree.getValue(Coord(voxel.x(), voxel.y(), voxel.z())));
 }
 
-void VoxelBone::for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const {
+void VoxelBone::for_each_occupied(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const {
   for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf) {
     for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
       const Coord at = voxel.getCoord();
@@ -222,7 +222,7 @@ void VoxelBone::for_each_alive(const std::function<void(const Eigen::Vector3i& v
   }
 }
 
-std::size_t VoxelBone::alive_count() const { return static_cast<std::size_t>(leaves_->tree.activeVoxelCount()); }
+std::size_t VoxelBone::occupied_count() const { return static_cast<std::size_t>(leaves_->tree.activeVoxelCount()); }
 
 std::size_t VoxelBone::memory_bytes() const { return static_cast<std::size_t>(leaves_->tree.memUsage()); }
 

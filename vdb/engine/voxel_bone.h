@@ -24,7 +24,7 @@ struct VoxelBoneOptions {
   Box3 region_mm = {};    ///< voxels with their centre in it, patient LPS; empty: the whole of the bones
 };
 
-/// Bones as sparse voxels that any tool can mill anywhere: an OpenVDB tree with, for each voxel, whether it is alive
+/// Bones as sparse voxels that any tool can mill anywhere: an OpenVDB tree with, for each voxel, whether it is occupied
 /// and its CT number in eight bits. Voxel (i, j, k) has its centre at (i, j, k) voxel_mm, patient LPS, so that bones of
 /// one patient share one lattice.
 class VoxelBone {
@@ -38,29 +38,30 @@ class VoxelBone {
       : VoxelBone(std::span(&bone, 1), options, progress) {}
   ~VoxelBone();
   VoxelBone(VoxelBone&&) noexcept;
-  /// The same voxels, living and dead, in a tree of its own.
+  /// The same voxels, occupied and dead, in a tree of its own.
   VoxelBone(const VoxelBone& other);
 
   double voxel_mm() const;
   /// That the voxels were made of; empty: the whole of the bones.
   const Box3& region_mm() const;
   Vec3 centre_mm(const Eigen::Vector3i& voxel) const { return voxel_mm() * voxel.cast<double>(); }
-  bool is_alive(const Eigen::Vector3i& voxel) const;
+  bool is_occupied(const Eigen::Vector3i& voxel) const;
   /// Of a voxel that lives or has lived, as stored: steps of 16 HU from -1024 to 3056.
   std::int16_t hu(const Eigen::Vector3i& voxel) const;
   /// In the order of the tree.
-  void for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const;
+  void for_each_occupied(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const;
 
   /// All voxels live again that live in `whole`: the bone that this is a copy of. Throws Error where it is none, and
   /// changes nothing then.
-  void revive(const VoxelBone& whole);
+  void restore(const VoxelBone& whole);
 
   /// Which voxels live, 64 to a word, in an order that milling does not change.
-  void get_living_words(std::vector<std::uint64_t>& words) const;
-  /// Puts them back as get_living_words() gave them. Throws Error on another number of words, and changes nothing then.
-  void set_living_words(std::span<const std::uint64_t> words);
+  void get_occupancy_words(std::vector<std::uint64_t>& words) const;
+  /// Puts them back as get_occupancy_words() gave them. Throws Error on another number of words, and changes nothing
+  /// then.
+  void set_occupancy_words(std::span<const std::uint64_t> words);
 
-  std::size_t alive_count() const;
+  std::size_t occupied_count() const;
   /// Of all that is stored.
   std::size_t memory_bytes() const;
 

@@ -1,8 +1,8 @@
 // Boxes within boxes: branches of the tree, their nodes, leaves. Each has a certificate of how far the tool may move
-// before it can touch a living voxel there (see MoveCertificates); a step looks only where one has run out. What is due
-// at the end are leaves. Where only balls and cylinders of the tool are near, their rows of voxels are cut with these;
-// elsewhere their words are looked at 64 voxels at a time. The few that float cannot decide are put to SweptBit, as in
-// every engine.
+// before it can touch an occupied voxel there (see MoveCertificates); a step looks only where one has run out. What is
+// due at the end are leaves. Where only balls and cylinders of the tool are near, their rows of voxels are cut with
+// these; elsewhere their words are looked at 64 voxels at a time. The few that float cannot decide are put to SweptBit,
+// as in every engine.
 
 #include "vdb/engine/voxel_engine.h"
 
@@ -16,8 +16,8 @@
 
 #include "core/engine/swept_engine.h"
 #include "vdb/engine/detail/certificate_tree.h"
-#include "vdb/engine/detail/living_leaf.h"
 #include "vdb/engine/detail/move_certificates.h"
+#include "vdb/engine/detail/occupied_leaf.h"
 #include "vdb/engine/detail/plate_engine.h"
 #include "vdb/engine/detail/round_rows.h"
 #include "vdb/engine/detail/tool_bounds.h"
@@ -44,7 +44,7 @@ class VoxelEngine final : public SweptEngine {
       : VoxelEngine(bone, bit, material, options, kernels, middle_voxel(bone)) {}
 
   std::size_t memory_bytes() const override {
-    return sizeof(*this) + leaves_.size() * sizeof(LivingLeaf) + tree_.memory_bytes();
+    return sizeof(*this) + leaves_.size() * sizeof(OccupiedLeaf) + tree_.memory_bytes();
   }
 
  private:
@@ -58,7 +58,7 @@ class VoxelEngine final : public SweptEngine {
         kernels_(kernels),
         sums_(material) {
     list_tree(bone.leaves().tree, middle);
-    sums_.check_fit(farthest_, alive_);
+    sums_.check_fit(farthest_, occupied_);
     set_units({voxel_mm_ * voxel_mm_ * voxel_mm_, 1.0 / voxel_mm_});
   }
 
@@ -86,14 +86,14 @@ class VoxelEngine final : public SweptEngine {
       for (auto node = branch->beginChildOn(); node; ++node) {
         const std::size_t first_leaf = leaves_.size();
         for (auto leaf = node->beginChildOn(); leaf; ++leaf) {
-          const auto alive = static_cast<std::uint32_t>(leaf->onVoxelCount());
-          if (alive == 0) continue;
+          const auto occupied = static_cast<std::uint32_t>(leaf->onVoxelCount());
+          if (occupied == 0) continue;
           const openvdb::Coord at = leaf->origin() - middle;
           leaves_.push_back({&leaf->getValueMask().template getWord<std::uint64_t>(0),
                              leaf->buffer().data(),
                              {at.x(), at.y(), at.z()},
-                             alive});
-          alive_ += alive;
+                             occupied});
+          occupied_ += occupied;
           for (unsigned axis = 0; axis < 3; ++axis) farthest_ = std::max(farthest_, std::abs(at[axis]) + kLeafSide);
           list(leaves, *leaf);
         }
@@ -163,14 +163,14 @@ class VoxelEngine final : public SweptEngine {
     return words;
   }
 
-  Vec3 centre_mm(const LivingLeaf& leaf, std::size_t bit) const noexcept { return voxel_mm_ * voxel_of(leaf, bit); }
+  Vec3 centre_mm(const OccupiedLeaf& leaf, std::size_t bit) const noexcept { return voxel_mm_ * voxel_of(leaf, bit); }
 
-  LeafPlace place_of(const LivingLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
+  LeafPlace place_of(const OccupiedLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
     return view.place_of(centre_mm(leaf, 0) - tip_mm, voxel_mm_);
   }
 
   void look(std::size_t number, const SweptBounds& tool, const WordTool& words, Removal& removal) noexcept {
-    LivingLeaf& leaf = leaves_[number];
+    OccupiedLeaf& leaf = leaves_[number];
     const double half_mm = tree_.half_mm();
     const BitPlace centre = tool.place(tree_.centre_mm(number));
     const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
@@ -194,14 +194,14 @@ class VoxelEngine final : public SweptEngine {
     const FreeMove free = (near.pieces & ~rounds_.pieces()) == 0
                               ? look_at_rows(number, tool, centre, reach, near, removal)
                               : look_at_words(leaf, tool, words, reach, near, removal);
-    if (leaf.alive == 0) return tree_.set_empty(number);
+    if (leaf.occupied == 0) return tree_.set_empty(number);
     tree_.certify(number, free);
   }
 
   /// Where nothing but balls and cylinders can have come near.
   FreeMove look_at_rows(std::size_t number, const SweptBounds& tool, const BitPlace& centre,
                         const SweptBounds::Reach& reach, const PieceBounds::Near& near, Removal& removal) noexcept {
-    LivingLeaf& leaf = leaves_[number];
+    OccupiedLeaf& leaf = leaves_[number];
     const double half_mm = tree_.half_mm();
     std::array<std::uint64_t, 8> dead{}, unsure{};
     // From the balls and cylinders alone, and from the tool, which has ends.
@@ -227,7 +227,7 @@ class VoxelEngine final : public SweptEngine {
         }
       }
     }
-    if (leaf.alive == 0) return {};
+    if (leaf.occupied == 0) return {};
     const double margin_mm = bounds_.margin_mm();
     FreeMove free = tool.to_one_side(tree_.centre_mm(number), half_mm, near.pieces);
     // Along its own wall a bit slides for ever.
@@ -243,7 +243,7 @@ class VoxelEngine final : public SweptEngine {
   }
 
   /// Where others may have.
-  FreeMove look_at_words(LivingLeaf& leaf, const SweptBounds& tool, const WordTool& words,
+  FreeMove look_at_words(OccupiedLeaf& leaf, const SweptBounds& tool, const WordTool& words,
                          const SweptBounds::Reach& reach, const PieceBounds::Near& near, Removal& removal) noexcept {
     LeafArguments arguments;
     const double more_mm = 2.0 * (static_cast<double>(words.spare) + bounds_.margin_mm());
@@ -289,7 +289,7 @@ class VoxelEngine final : public SweptEngine {
   }
 
   /// Those of some voxels of word x that the tool passed.
-  std::uint64_t passed(const LivingLeaf& leaf, unsigned x, std::uint64_t unsure, const SweptBounds& tool,
+  std::uint64_t passed(const OccupiedLeaf& leaf, unsigned x, std::uint64_t unsure, const SweptBounds& tool,
                        Removal& removal) const noexcept {
     removal.tested += static_cast<std::size_t>(std::popcount(unsure));
     std::uint64_t dead = 0;
@@ -318,8 +318,8 @@ class VoxelEngine final : public SweptEngine {
   VoxelSums sums_;
   std::array<AxisView, kTogether + 1> views_;  ///< at the begin of this way and after each of its pieces
   CertificateTree tree_;                       ///< of leaves, nodes, branches
-  std::vector<LivingLeaf> leaves_;
-  std::size_t alive_ = 0;
+  std::vector<OccupiedLeaf> leaves_;
+  std::size_t occupied_ = 0;
   std::int32_t farthest_ = 0;
 };
 

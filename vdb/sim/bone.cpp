@@ -214,8 +214,9 @@ std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progr
   return neighbours;
 }
 
-ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration, const HoldModel& model) {
-  return screw_hold(path, bone_density(bone.shape(), bone.hu_sampler(), calibration), model);
+ScrewFixation screw_fixation(const Bone& bone, const DrillPath& path, const HuToDensity& calibration,
+                             const FixationModel& model) {
+  return screw_fixation(path, bone_density(bone.shape(), bone.hu_sampler(), calibration), model);
 }
 
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,

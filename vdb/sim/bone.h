@@ -19,7 +19,7 @@
 #include "core/ct/read_ct.h"
 #include "core/grading/grade.h"
 #include "core/grading/path_findings.h"
-#include "core/grading/screw_hold.h"
+#include "core/grading/screw_fixation.h"
 #include "core/plan/suggest.h"
 #include "core/points/material.h"
 #include "core/segment/level_figures.h"
@@ -113,9 +113,9 @@ class Bone {
   std::shared_ptr<State> state_;
 };
 
-/// How well a path's screw holds; see core/grading/screw_hold.h. Throws Error as that does.
-ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration = {},
-                     const HoldModel& model = {});
+/// How well a path's screw holds; see core/grading/screw_fixation.h. Throws Error as that does.
+ScrewFixation screw_fixation(const Bone& bone, const DrillPath& path, const HuToDensity& calibration = {},
+                             const FixationModel& model = {});
 
 /// As what instruments may meet. The bones must outlive it.
 std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progress& progress = {});

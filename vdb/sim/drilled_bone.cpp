@@ -6,8 +6,8 @@
 #include "core/base/error.h"
 #include "core/engine/volume_segments.h"
 #include "core/session/choose_engine.h"
-#include "vdb/engine/living_voxels.h"
 #include "vdb/engine/make_engine.h"
+#include "vdb/engine/occupied_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
@@ -81,33 +81,33 @@ void DrilledBone::drill(const DrilledHole& hole, const SessionSetup& setup) {
   }
 }
 
-void DrilledBone::revive(const DrilledBone& whole) {
-  const auto size = [](const PointVolume& volume) { return volume.alive_words().size(); };
+void DrilledBone::restore(const DrilledBone& whole) {
+  const auto size = [](const PointVolume& volume) { return volume.occupancy_words().size(); };
   if (!voxels != !whole.voxels || !std::ranges::equal(volumes, whole.volumes, {}, size, size)) {
-    fail("expected what is drilled to be revived from the bone that it is a copy of");
+    fail("expected what is drilled to be restored from the bone that it is a copy of");
   }
-  if (voxels) return voxels->revive(*whole.voxels);
-  set_living_words(whole.living_words());
+  if (voxels) return voxels->restore(*whole.voxels);
+  set_occupancy_words(whole.occupancy_words());
 }
 
-std::vector<std::uint64_t> DrilledBone::living_words() const {
+std::vector<std::uint64_t> DrilledBone::occupancy_words() const {
   std::vector<std::uint64_t> words;
-  if (voxels) voxels->get_living_words(words);
+  if (voxels) voxels->get_occupancy_words(words);
   for (const PointVolume& volume : volumes) {
-    words.insert(words.end(), volume.alive_words().begin(), volume.alive_words().end());
+    words.insert(words.end(), volume.occupancy_words().begin(), volume.occupancy_words().end());
   }
   return words;
 }
 
-void DrilledBone::set_living_words(std::span<const std::uint64_t> words) {
-  if (voxels) return voxels->set_living_words(words);
+void DrilledBone::set_occupancy_words(std::span<const std::uint64_t> words) {
+  if (voxels) return voxels->set_occupancy_words(words);
   std::size_t expected = 0;
-  for (const PointVolume& volume : volumes) expected += volume.alive_words().size();
-  if (words.size() != expected) fail("points: expected ", expected, " living words, found ", words.size());
+  for (const PointVolume& volume : volumes) expected += volume.occupancy_words().size();
+  if (words.size() != expected) fail("points: expected ", expected, " occupied words, found ", words.size());
   auto from = words.begin();
   for (PointVolume& volume : volumes) {
     for (int disc = 0; disc < volume.disc_count(); ++disc) {
-      const auto disc_words = volume.alive_words(disc);
+      const auto disc_words = volume.occupancy_words(disc);
       std::copy_n(from, disc_words.size(), disc_words.begin());
       from += static_cast<std::ptrdiff_t>(disc_words.size());
     }
@@ -128,16 +128,16 @@ std::unique_ptr<DrillSession> DrilledBone::begin_session(const SessionSetup& set
   const DrillPath& path = setup.path;
   std::unique_ptr<DrillEngine> engine = engine_for(setup, path.bit);
   if (voxels) {
-    return std::make_unique<DrillSession>(path, make_living_bone(*voxels, setup.material), std::move(engine),
+    return std::make_unique<DrillSession>(path, make_occupied_bone(*voxels, setup.material), std::move(engine),
                                           setup.material, clearances, setup.options);
   }
   return std::make_unique<DrillSession>(path, volumes, std::move(engine), setup.material, clearances, setup.options);
 }
 
-std::size_t DrilledBone::alive_count() const {
-  std::size_t alive = voxels ? voxels->alive_count() : 0;
-  for (const PointVolume& volume : volumes) alive += volume.alive_count();
-  return alive;
+std::size_t DrilledBone::occupied_count() const {
+  std::size_t occupied = voxels ? voxels->occupied_count() : 0;
+  for (const PointVolume& volume : volumes) occupied += volume.occupied_count();
+  return occupied;
 }
 
 std::size_t DrilledBone::memory_bytes() const {

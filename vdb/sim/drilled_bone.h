@@ -39,17 +39,17 @@ struct DrilledBone {
   void drill(const DrilledHole& hole, const SessionSetup& setup);
   /// All lives again that lives in `whole`, which this is a copy of. Throws Error where it is none, and changes nothing
   /// then.
-  void revive(const DrilledBone& whole);
+  void restore(const DrilledBone& whole);
   /// Which points or voxels live, 64 to a word, in an order that drilling does not change.
-  std::vector<std::uint64_t> living_words() const;
-  /// Puts back what living_words() gave. Throws Error on another number of words, and changes nothing then.
-  void set_living_words(std::span<const std::uint64_t> words);
+  std::vector<std::uint64_t> occupancy_words() const;
+  /// Puts back what occupancy_words() gave. Throws Error on another number of words, and changes nothing then.
+  void set_occupancy_words(std::span<const std::uint64_t> words);
   /// What drills it in place with a tool; this must outlive it.
   std::unique_ptr<DrillEngine> engine_for(const SessionSetup& setup, const DrillBit& bit);
   /// A session that drills it; this and `clearances`, which may be null, must outlive it.
   std::unique_ptr<DrillSession> begin_session(const SessionSetup& setup, const ClearanceField* clearances);
 
-  std::size_t alive_count() const;
+  std::size_t occupied_count() const;
   std::size_t memory_bytes() const;
 };
 

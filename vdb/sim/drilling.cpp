@@ -69,7 +69,7 @@ std::size_t expected_inputs(const Operator& tool_operator, const std::optional<R
 
 void count_points(const BuiltSession& built, Drilling& drilling) {
   const DrilledBone& bone = built.bone;
-  drilling.points_in_bone = bone.alive_count();
+  drilling.points_in_bone = bone.occupied_count();
   if (bone.voxels) drilling.points = drilling.points_in_bone;
   for (const PointVolume& volume : bone.volumes) {
     drilling.points += volume.point_count();

@@ -29,7 +29,7 @@ struct DrillingOptions {
 struct Drilling {
   DrilledBone left;                ///< after drilling
   std::size_t points = 0;          ///< of the whole cylinder; of voxels, those in bone
-  std::size_t points_in_bone = 0;  ///< alive before drilling
+  std::size_t points_in_bone = 0;  ///< occupied before drilling
   std::size_t removed = 0;
   int discs = 0;                    ///< 0: voxels have none
   std::size_t points_per_disc = 0;  ///< of the first volume

@@ -27,7 +27,7 @@ struct Session::State {
         built(build_session(bones, setup, progress, nullptr, clearances)),
         motion(ShownBone::kReaders * bones.size()),
         tool(setup.path.bit),
-        living(built.bone.living_words()) {
+        occupied(built.bone.occupancy_words()) {
     for (const Bone& bone : bones) shown.emplace_back(bone, ShownBone::kReaders * shown.size());
     begin_motion();
   }
@@ -36,13 +36,13 @@ struct Session::State {
   std::vector<ShownBone> shown;  ///< one each
   SessionSetup setup;            ///< its holes: those that are done
   BuiltSession built;
-  MotionLog motion;                   ///< of this hole
-  std::size_t cycles = 0;             ///< likewise
-  DrillBit tool;                      ///< in use; the hole's first is setup.path.bit
-  std::optional<Pose> at;             ///< the tool is, in this hole; nothing before the first sound pose
-  std::vector<std::uint64_t> living;  ///< DrilledBone::living_words() when this hole began
+  MotionLog motion;                     ///< of this hole
+  std::size_t cycles = 0;               ///< likewise
+  DrillBit tool;                        ///< in use; the hole's first is setup.path.bit
+  std::optional<Pose> at;               ///< the tool is, in this hole; nothing before the first sound pose
+  std::vector<std::uint64_t> occupied;  ///< DrilledBone::occupancy_words() when this hole began
   struct TakenWord {
-    std::size_t place;  ///< in `living`
+    std::size_t place;  ///< in `occupied`
     std::uint64_t was;
   };
   /// By each hole of this session: the last of the setup's.
@@ -79,7 +79,7 @@ struct Session::State {
   }
   /// Begins again at cycle 0, in the bone that `put_back` leaves. Where that is none, nothing has changed.
   void begin_again(const std::function<void(DrilledBone&)>& put_back) {
-    const std::vector<std::uint64_t> now = built.bone.living_words();
+    const std::vector<std::uint64_t> now = built.bone.occupancy_words();
     const DrillPath before = setup.path;
     try {
       put_back(built.bone);
@@ -89,7 +89,7 @@ struct Session::State {
       if (clearances) built.clearances = std::move(clearances);
     } catch (...) {
       setup.path = before;
-      built.bone.set_living_words(now);
+      built.bone.set_occupancy_words(now);
       throw;
     }
     begin_motion();
@@ -98,21 +98,21 @@ struct Session::State {
     std::vector<DrilledHole> holes = motion.holes();
     // As they are drilled where a record of the next hole is replayed.
     begin_again([&](DrilledBone& drilled_bone) {
-      drilled_bone.set_living_words(living);
+      drilled_bone.set_occupancy_words(occupied);
       for (const DrilledHole& hole : holes) drilled_bone.drill(hole, setup);
     });
-    std::vector<std::uint64_t> left = built.bone.living_words();
+    std::vector<std::uint64_t> left = built.bone.occupancy_words();
     Taken& by_this = taken.emplace_back(Taken{{}, holes.size()});
     for (std::size_t n = 0; n < left.size(); ++n) {
-      if (left[n] != living[n]) by_this.words.push_back({n, living[n]});
+      if (left[n] != occupied[n]) by_this.words.push_back({n, occupied[n]});
     }
-    living = std::move(left);
+    occupied = std::move(left);
     std::ranges::move(holes, std::back_inserter(setup.holes));
   }
   /// What this hole was drilled so far, or the last one that is done.
   void take_back() {
     if (cycles > 0) {
-      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
+      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_occupancy_words(occupied); });
       return;
     }
     if (taken.empty()) {
@@ -123,13 +123,13 @@ struct Session::State {
       built.session.reset();  // it holds on to the bone
       built = std::move(fresh);
       setup = std::move(before);
-      living = built.bone.living_words();
+      occupied = built.bone.occupancy_words();
       begin_motion();
     } else {
-      for (const TakenWord& word : taken.back().words) living[word.place] = word.was;
+      for (const TakenWord& word : taken.back().words) occupied[word.place] = word.was;
       setup.holes.resize(setup.holes.size() - taken.back().holes);
       taken.pop_back();
-      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
+      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_occupancy_words(occupied); });
     }
   }
   void set_tool(const DrillBit& bit) {

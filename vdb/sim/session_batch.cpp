@@ -82,7 +82,7 @@ DrillSession& SessionBatch::session(std::size_t n) { return *state_->members.at(
 DrillSession& SessionBatch::reset(std::size_t n) {
   Member& member = state_->members.at(n);
   member.session.reset();  // it holds on to the bone
-  member.bone->revive(member.hole->whole.bone);
+  member.bone->restore(member.hole->whole.bone);
   begin(member);
   return *member.session;
 }

@@ -47,8 +47,8 @@ Removed removed_from(const PointVolume& before, const PointVolume& after) {
   const DiscPattern& pattern = before.pattern();
   std::vector<std::size_t> by_index(pattern.point_count(), 0);
   for (int disc = 0; disc < before.disc_count(); ++disc) {
-    const auto was = before.alive_words(disc);
-    const auto is = after.alive_words(disc);
+    const auto was = before.occupancy_words(disc);
+    const auto is = after.occupancy_words(disc);
     for (std::size_t word = 0; word < was.size(); ++word) {
       for (std::uint64_t died = was[word] & ~is[word]; died != 0; died &= died - 1) {
         ++by_index[64 * word + static_cast<std::size_t>(std::countr_zero(died))];
@@ -67,7 +67,7 @@ Removed removed_from(const PointVolume& before, const PointVolume& after) {
 
 Removed removed_from(const DrilledBone& before, const DrilledBone& after) {
   if (!before.voxels) return removed_from(before.volumes.front(), after.volumes.front());
-  const std::size_t voxels = before.voxels->alive_count() - after.voxels->alive_count();
+  const std::size_t voxels = before.voxels->occupied_count() - after.voxels->occupied_count();
   return {voxels, static_cast<double>(voxels) * std::pow(before.voxels->voxel_mm(), 3)};
 }
 
@@ -223,7 +223,7 @@ StudyRunner StudyBench::make_runner() const {
 
 std::size_t StudyBench::point_count() const {
   if (spec_.kind == StudyKind::geometry) return 0;
-  return whole_.voxels ? whole_.voxels->alive_count() : whole_.volumes.front().point_count();
+  return whole_.voxels ? whole_.voxels->occupied_count() : whole_.volumes.front().point_count();
 }
 
 StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
@@ -236,7 +236,7 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
 }
 
 void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) const {
-  bone.revive(whole_);
+  bone.restore(whole_);
   SessionSetup setup;
   setup.path = path_;
   setup.path.bit = task.path.bit;
@@ -275,9 +275,9 @@ void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) 
   row[StudyColumn::removed_points] = static_cast<double>(removed.points);
   row[StudyColumn::removed_mm3] = removed.mm3;
   if (task.path.screw) {
-    const ScrewHold hold = screw_hold(bone_, task.path, task.material.density);
-    row[StudyColumn::screw_pullout_n] = hold.pullout_n.median;
-    row[StudyColumn::screw_torque_n_mm] = hold.max_torque_n_mm.median;
+    const ScrewFixation fixation = screw_fixation(bone_, task.path, task.material.density);
+    row[StudyColumn::screw_pullout_n] = fixation.pullout_n.median;
+    row[StudyColumn::screw_torque_n_mm] = fixation.max_torque_n_mm.median;
   }
   row[StudyColumn::max_temperature_c] = session->last().heat.max_temperature_c;
   row[StudyColumn::events_lost] = static_cast<double>(session->events_lost());

@@ -5,8 +5,8 @@
 #include <QVBoxLayout>
 #include <cmath>
 
+#include "apps/report/fixation_report.h"
 #include "apps/report/grade_report.h"
-#include "apps/report/hold_report.h"
 #include "apps/report/text.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/plots/plot_view.h"
@@ -60,9 +60,10 @@ QString walls_text(const PathGrade& grade, const std::vector<double>& hu_bands) 
   }
   text += FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
   text += FiguresPanel::tr("; 5 to 95 % of sources: %1 N").arg(text_of(interval_text(grade.max_thrust_band_n, 1)));
-  if (grade.hold) {
+  if (grade.fixation) {
     text += FiguresPanel::tr("<br>Screw: pull-out %1 N, insertion torque up to %2 N·mm (5 to 95 %)")
-                .arg(text_of(banded_text(grade.hold->pullout_n)), text_of(banded_text(grade.hold->max_torque_n_mm)));
+                .arg(text_of(banded_text(grade.fixation->pullout_n)),
+                     text_of(banded_text(grade.fixation->max_torque_n_mm)));
   }
   return text;
 }

@@ -145,8 +145,8 @@ void LevelsPanel::fill_row(int row) {
   if (!level.why.isEmpty()) tip += level.why;
   for (const LevelWarning& warning : level.report.warnings) tip += text_of(warning.text);
   if (level.report.level == Level::kNone) {
-    for (const LevelOdds& odds : level.report.name_odds) {
-      tip += tr("%1 by %2 %").arg(text_of(level_name(odds.level))).arg(100.0 * odds.probability, 0, 'f', 0);
+    for (const LevelProbability& one : level.report.name_probabilities) {
+      tip += tr("%1 by %2 %").arg(text_of(level_name(one.level))).arg(100.0 * one.probability, 0, 'f', 0);
     }
   }
   for (int column = 0; column < 2; ++column) {

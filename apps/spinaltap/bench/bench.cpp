@@ -144,13 +144,13 @@ class Bench {
     }
   }
 
-  /// Whole paths of one workload, from results_.runs[first] on, must leave the same points alive.
+  /// Whole paths of one workload, from results_.runs[first] on, must leave the same points occupied.
   void check_same_points(const BenchResult& result, std::size_t first) const {
     if (!result.measured.is_whole_path) return;
     for (std::size_t n = first; n < results_.runs.size(); ++n) {
       const BenchResult& other = results_.runs[n];
-      if (!other.measured.is_whole_path || other.measured.alive_hash == result.measured.alive_hash) continue;
-      fail("bench: expected the same points alive after ", name_of(result.motion), " with a bit of ",
+      if (!other.measured.is_whole_path || other.measured.occupancy_hash == result.measured.occupancy_hash) continue;
+      fail("bench: expected the same points occupied after ", name_of(result.motion), " with a bit of ",
            result.diameter_mm, " mm, found that ", result.engine, " (", result.threads, " threads) and ", other.engine,
            " (", other.threads, " threads) differ");
     }
@@ -177,8 +177,8 @@ class Bench {
           const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(result.threads));
           result.repeats.push_back(measure_step({engine.make, step.bit, poses}, volume));
-          if (result.repeats.back().alive_hash != results_.steps[first].repeats.front().alive_hash) {
-            fail("bench: expected the same points alive after ", step.name, ", found that ", engine.name, " with ",
+          if (result.repeats.back().occupancy_hash != results_.steps[first].repeats.front().occupancy_hash) {
+            fail("bench: expected the same points occupied after ", step.name, ", found that ", engine.name, " with ",
                  result.threads, " threads differs");
           }
           counter.add();
@@ -223,7 +223,7 @@ class Bench {
         TextWriter stage;
         stage << engine.name << ", milling, " << workload.diameter_mm << " mm, " << workload.tilt_deg << " degrees";
         results_.millings.push_back(
-            {engine.name, workload, whole.alive_count(),
+            {engine.name, workload, whole.occupied_count(),
              measure_way(milling_run(bone, whole, workload, poses), costs_, progress_, stage.str())});
         check_same_hole(first);
       }

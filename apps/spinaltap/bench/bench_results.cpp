@@ -244,7 +244,7 @@ Json json_of(const BenchResults& results, const BenchResult& result) {
                                   {"middle_tenth", ratio(measured.middle_tenth, base.middle_tenth)},
                                   {"last_tenth", ratio(measured.last_tenth, base.last_tenth)}};
   }
-  if (measured.is_whole_path) json["alive_hash"] = hex(measured.alive_hash);
+  if (measured.is_whole_path) json["occupancy_hash"] = hex(measured.occupancy_hash);
   Json curve = Json::array();
   for (const Stretch& part : measured.curve) curve.push_back({part.begin, part.end, part.cycles_per_cpu_s()});
   json["curve_begin_end_cycles_per_cpu_s"] = std::move(curve);
@@ -383,7 +383,7 @@ std::string bench_tables(const BenchResults& results, bool markdown) {
   }
   if (!results.steps.empty()) {
     if (!tables.empty()) tables += "\n";
-    tables += "One long step, every point alive before:\n\n" + text(steps_table(results));
+    tables += "One long step, every point occupied before:\n\n" + text(steps_table(results));
   }
   if (!results.millings.empty()) {
     if (!tables.empty()) tables += "\n";
@@ -416,7 +416,7 @@ Json to_json(const BenchResults& results) {
                              {"speed_up", speed_up(results, result)},
                              {"removed", result.repeats[0].removed},
                              {"tested", result.repeats[0].tested},
-                             {"alive_hash", hex(result.repeats[0].alive_hash)}});
+                             {"occupancy_hash", hex(result.repeats[0].occupancy_hash)}});
   }
   for (const BenchMillingResult& result : results.millings) json["millings"].push_back(json_of(result));
   if (!results.millings.empty()) {

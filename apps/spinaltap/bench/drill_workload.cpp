@@ -95,10 +95,10 @@ PointVolume workload_volume(double spacing_mm, HuBits hu_bits) {
   return volume;
 }
 
-void revive_all(PointVolume& volume) {
+void restore_all(PointVolume& volume) {
   const std::size_t over = volume.pattern().point_count() % 64;
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
-    const std::span<std::uint64_t> words = volume.alive_words(disc);
+    const std::span<std::uint64_t> words = volume.occupancy_words(disc);
     std::fill(words.begin(), words.end(), ~std::uint64_t{0});
     if (over != 0) words.back() = (std::uint64_t{1} << over) - 1;
   }

@@ -12,7 +12,7 @@
 namespace spinaltap {
 
 // The workloads by which engines are measured and compared: docs/drilling-benchmarks.md. All of them drill the paper's
-// cylinder: radius 3.0 mm, length 37.8 mm, every point alive.
+// cylinder: radius 3.0 mm, length 37.8 mm, every point occupied.
 
 /// How the bit moves from the entry to the target, in 37,800 cycles.
 enum class WorkloadMotion {
@@ -47,8 +47,8 @@ DrillBit workload_bit(WorkloadMotion motion, double diameter_mm);
 /// numbers vary along the path: 300 HU and a sine of 100 HU every 5 mm. Throws Error as PointVolume does.
 PointVolume workload_volume(double spacing_mm, HuBits hu_bits = HuBits::eight);
 
-/// Makes every point alive.
-void revive_all(PointVolume& volume);
+/// Makes every point occupied.
+void restore_all(PointVolume& volume);
 
 /// Poses 0 to 37,800, patient LPS: the first before cycle 0, the others after each cycle. `seed` is the operator's.
 std::vector<Pose> workload_poses(WorkloadMotion motion, std::uint64_t seed = 1);

@@ -14,7 +14,7 @@ constexpr std::size_t kHundred = 100;
 
 std::uint64_t hash_of(const PointVolume& volume) {
   WordHash64 hash;
-  hash.add(volume.alive_words().data(), volume.alive_words().size_bytes());
+  hash.add(volume.occupancy_words().data(), volume.occupancy_words().size_bytes());
   return hash.value();
 }
 
@@ -73,20 +73,20 @@ Stretch stretch_of(const std::vector<Stretch>& stretches, std::size_t begin, std
   return sum;
 }
 
-/// Which points are alive, to be put back.
-class AlivePoints {
+/// Which points are occupied, to be put back.
+class OccupiedPoints {
  public:
-  explicit AlivePoints(const PointVolume& volume)
-      : words_(volume.alive_words().begin(), volume.alive_words().end()),
-        words_per_disc_(volume.alive_words(0).size()) {}
+  explicit OccupiedPoints(const PointVolume& volume)
+      : words_(volume.occupancy_words().begin(), volume.occupancy_words().end()),
+        words_per_disc_(volume.occupancy_words(0).size()) {}
 
   void put_back(PointVolume& volume) const {
     for (int disc = 0; disc < volume.disc_count(); ++disc) {
       const auto begin = words_.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(disc) * words_per_disc_);
-      std::copy_n(begin, words_per_disc_, volume.alive_words(disc).begin());
+      std::copy_n(begin, words_per_disc_, volume.occupancy_words(disc).begin());
     }
   }
-  bool are_those_of(const PointVolume& volume) const { return std::ranges::equal(words_, volume.alive_words()); }
+  bool are_those_of(const PointVolume& volume) const { return std::ranges::equal(words_, volume.occupancy_words()); }
 
  private:
   std::vector<std::uint64_t> words_;
@@ -133,7 +133,7 @@ EngineMeasurement measure_way(const WayRun& run, const ClockCosts& costs, const 
   result.memory_bytes = drill([&](DrillEngine& engine, std::size_t begin, std::size_t end) {
     result.curve.push_back(time_together(engine, run.poses, begin, end, costs));
   });
-  result.alive_hash = run.alive_hash();
+  result.occupancy_hash = run.occupancy_hash();
   result.first_tenth = stretch_of(result.curve, 0, 10);
   result.middle_tenth = stretch_of(result.curve, 45, 55);
   result.last_tenth = stretch_of(result.curve, 90, 100);
@@ -150,14 +150,14 @@ EngineMeasurement measure_way(const WayRun& run, const ClockCosts& costs, const 
     time_each(engine, run.poses, begin, end, thread_cpu_ns, costs.cpu_ns, samples_ns);
   });
   result.cpu = spread_of(samples_ns);
-  if (run.alive_hash() != result.alive_hash) fail("measuring: a repeated run left other points alive");
+  if (run.occupancy_hash() != result.occupancy_hash) fail("measuring: a repeated run left other points occupied");
   return result;
 }
 
 EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
                                      const Progress& progress, const std::string& stage) {
   const auto begin = [&] {
-    revive_all(volume);
+    restore_all(volume);
     return run.make_engine(volume, run.bit, Material());
   };
   return measure_way({begin, [&] { return volume.memory_bytes(); }, [&] { return hash_of(volume); }, run.poses}, costs,
@@ -175,7 +175,7 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
   }
   ProgressCounter counter(progress, stage, kTwentieths + 1);
   const auto max_ns = static_cast<std::int64_t>(1e9 * options.max_window_cpu_s);
-  revive_all(volume);
+  restore_all(volume);
   PointVolume pilot_volume = volume;
   std::size_t at = 0;
   const auto pilot = placed(make_ring_engine, pilot_volume, run.bit, run.poses[0]);
@@ -195,7 +195,7 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
     const std::size_t middle = place * cycles / kTwentieths;
     const std::size_t begin = std::min(middle - std::min(middle, options.cycles / 2), cycles - options.cycles);
     bring_to(begin);
-    const AlivePoints before(pilot_volume);
+    const OccupiedPoints before(pilot_volume);
     const auto at_begin = [&] {
       before.put_back(volume);
       return placed(run.make_engine, volume, run.bit, run.poses[begin]);
@@ -204,8 +204,9 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
     const Stretch window = time_together(*engine, run.poses, begin, begin + options.cycles, costs, max_ns);
     result.memory_bytes = volume.memory_bytes() + engine->memory_bytes();
     bring_to(window.end);
-    if (!AlivePoints(volume).are_those_of(pilot_volume)) {
-      fail(stage, ": expected the points that the ring engine leaves alive after cycle ", window.end, ", found others");
+    if (!OccupiedPoints(volume).are_those_of(pilot_volume)) {
+      fail(stage, ": expected the points that the ring engine leaves occupied after cycle ", window.end,
+           ", found others");
     }
     result.curve.push_back(window);
     if (!is_timed) continue;
@@ -224,7 +225,7 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
 
 StepMeasurement measure_step(const EngineRun& run, PointVolume& volume) {
   if (run.poses.size() != 2) fail("measuring: expected the two poses of a step, found ", run.poses.size());
-  revive_all(volume);
+  restore_all(volume);
   const auto engine = placed(run.make_engine, volume, run.bit, run.poses[0]);
   const std::int64_t wall_start = wall_ns();
   const std::int64_t cpu_start = process_cpu_ns();
@@ -232,7 +233,7 @@ StepMeasurement measure_step(const EngineRun& run, PointVolume& volume) {
   StepMeasurement result{.removed = step.removed, .tested = step.tested};
   result.cpu_ns = process_cpu_ns() - cpu_start;
   result.wall_ns = wall_ns() - wall_start;
-  result.alive_hash = hash_of(volume);
+  result.occupancy_hash = hash_of(volume);
   return result;
 }
 

@@ -17,7 +17,7 @@ namespace spinaltap {
 using EngineFactory =
     std::function<std::unique_ptr<DrillEngine>(PointVolume& volume, const DrillBit& bit, const Material& material)>;
 
-/// What a measured engine is put to: a bit and its way. The volume is made alive again for every run.
+/// What a measured engine is put to: a bit and its way. The volume is made occupied again for every run.
 struct EngineRun {
   EngineFactory make_engine;
   DrillBit bit;
@@ -26,9 +26,9 @@ struct EngineRun {
 
 /// An engine on bone of any kind, and its way.
 struct WayRun {
-  std::function<std::unique_ptr<DrillEngine>()> begin;  ///< makes all bone alive and a new engine for it
+  std::function<std::unique_ptr<DrillEngine>()> begin;  ///< makes all bone occupied and a new engine for it
   std::function<std::size_t()> bone_bytes;
-  std::function<std::uint64_t()> alive_hash;
+  std::function<std::uint64_t()> occupancy_hash;
   std::span<const Pose> poses;  ///< as EngineRun has them
 };
 
@@ -54,13 +54,13 @@ struct EngineMeasurement {
   Stretch first_tenth;          ///< or the window in its middle, and so on
   Stretch middle_tenth;
   Stretch last_tenth;
-  std::vector<Stretch> curve;    ///< along the path
-  Stretch all;                   ///< sums over all that was timed
-  std::size_t cycles = 0;        ///< that the spreads are of
-  TimeSpread cpu;                ///< of single cycles, of the calling thread
-  TimeSpread wall;               ///< of single cycles, from a run of their own
-  std::size_t memory_bytes = 0;  ///< volume and engine
-  std::uint64_t alive_hash = 0;  ///< of the points alive at the end of the path; 0 for windows
+  std::vector<Stretch> curve;        ///< along the path
+  Stretch all;                       ///< sums over all that was timed
+  std::size_t cycles = 0;            ///< that the spreads are of
+  TimeSpread cpu;                    ///< of single cycles, of the calling thread
+  TimeSpread wall;                   ///< of single cycles, from a run of their own
+  std::size_t memory_bytes = 0;      ///< volume and engine
+  std::uint64_t occupancy_hash = 0;  ///< of the points occupied at the end of the path; 0 for windows
 };
 
 /// Goes the whole way three times: once timed in hundredths of the path, once with each cycle's wall time, once with
@@ -80,7 +80,7 @@ struct WindowOptions {
 
 /// For slow engines: measures windows in the middle of each tenth of the path and of the whole path, three times each
 /// as above. The volume is brought there with the ring engine; the measured engine takes one step at the window's first
-/// pose, then those that are timed. Throws Error when it leaves other points alive than the ring engine does.
+/// pose, then those that are timed. Throws Error when it leaves other points occupied than the ring engine does.
 EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
                                   const WindowOptions& options, const Progress& progress = {},
                                   const std::string& stage = "measuring");
@@ -91,10 +91,10 @@ struct StepMeasurement {
   std::int64_t cpu_ns = 0;  ///< of all threads
   std::size_t removed = 0;  ///< points, by the step alone
   std::size_t tested = 0;
-  std::uint64_t alive_hash = 0;
+  std::uint64_t occupancy_hash = 0;
 };
 
-/// Takes the step once, with every point alive and a new engine.
+/// Takes the step once, with every point occupied and a new engine.
 StepMeasurement measure_step(const EngineRun& run, PointVolume& volume);
 
 }  // namespace spinaltap

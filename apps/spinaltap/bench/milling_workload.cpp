@@ -8,8 +8,8 @@
 #include "core/phantom/vertebra.h"
 #include "core/session/operator/path_motion.h"
 #include "vdb/bake/bake.h"
-#include "vdb/engine/living_voxels.h"
 #include "vdb/engine/make_engine.h"
+#include "vdb/engine/occupied_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 
 namespace spinaltap {
@@ -38,7 +38,7 @@ std::vector<Vec3> corners_of_lines(double way_mm) {
 /// An engine whose step works out the forces as well.
 class EngineWithForces final : public DrillEngine {
  public:
-  EngineWithForces(std::unique_ptr<DrillEngine> engine, std::unique_ptr<const LivingBone> bone, const DrillBit& bit,
+  EngineWithForces(std::unique_ptr<DrillEngine> engine, std::unique_ptr<const OccupiedBone> bone, const DrillBit& bit,
                    double step_s)
       : engine_(std::move(engine)), bone_(std::move(bone)), forces_(*bone_, bit, Material()), step_s_(step_s) {}
 
@@ -53,7 +53,7 @@ class EngineWithForces final : public DrillEngine {
  private:
   static constexpr Spindle kSpindle{.rpm = 60e3};
   std::unique_ptr<DrillEngine> engine_;
-  std::unique_ptr<const LivingBone> bone_;
+  std::unique_ptr<const OccupiedBone> bone_;
   DrillForces forces_;
   DrillForce last_;
   double step_s_;
@@ -129,15 +129,15 @@ WayRun milling_run(DrilledBone& bone, const DrilledBone& whole, const MillingWor
                    std::span<const Pose> poses) {
   const DrillBit burr = milling_burr(workload.diameter_mm);
   const auto begin = [&bone, &whole, burr, workload]() -> std::unique_ptr<DrillEngine> {
-    bone.revive(whole);
+    bone.restore(whole);
     std::unique_ptr<DrillEngine> engine =
         bone.voxels ? make_voxel_engine(*bone.voxels, burr, Material(), {.shares_work = false})
                     : make_engine(EngineKind::leaf, bone.volumes.front(), burr, Material());
     if (!workload.has_forces) return engine;
-    return std::make_unique<EngineWithForces>(std::move(engine), make_living_bone(*bone.voxels, Material()), burr,
+    return std::make_unique<EngineWithForces>(std::move(engine), make_occupied_bone(*bone.voxels, Material()), burr,
                                               workload.step_mm / kMillingMmS);
   };
-  return {begin, [&bone] { return bone.memory_bytes(); }, [&bone] { return bone.alive_count(); }, poses};
+  return {begin, [&bone] { return bone.memory_bytes(); }, [&bone] { return bone.occupied_count(); }, poses};
 }
 
 }  // namespace spinaltap

@@ -20,7 +20,7 @@ struct AxisLine {
   double back_slope = 0.0;
 };
 
-/// For every disc, how far the bit's axis may move before the bit can touch a living point there.
+/// For every disc, how far the bit's axis may move before the bit can touch an occupied point there.
 ///
 /// A disc's certificate was made at some line of the axis. It holds while
 ///   across_share |(dx, dy)| + turn_mm (|dx'| + |dy'|) + back_share * db + slack  <  free_mm

@@ -26,7 +26,7 @@ struct CheckArguments {
   std::uint8_t* due;
 };
 
-/// Places on a ring: the living points at both ends of a gap of dead ones, the upper one in the upper half.
+/// Places on a ring: the occupied points at both ends of a gap of dead ones, the upper one in the upper half.
 using GapEnds = std::uint32_t;
 constexpr GapEnds kUnknownGap = 0xffffffff;
 constexpr GapEnds kDeadRing = 0xfffefffe;

@@ -8,7 +8,7 @@
 
 namespace spinaltap {
 
-/// For every disc, a circle without a living point, about the middle of where the bit's axis has been.
+/// For every disc, a circle without an occupied point, about the middle of where the bit's axis has been.
 ///
 /// Points only die, so it stays empty: a bit that trembles in its hole, near one wall and then another, needs no look
 /// at a disc as long as its own circle lies within that one.
@@ -16,14 +16,14 @@ class EmptyCircles {
  public:
   explicit EmptyCircles(std::size_t discs) : circles_(discs) {}
 
-  /// How far from (x, y) in a disc's plane all living points are, at least, mm; below 0 where that is not known.
+  /// How far from (x, y) in a disc's plane all occupied points are, at least, mm; below 0 where that is not known.
   double clear_mm(int disc, double x_mm, double y_mm) const noexcept {
     const Circle& circle = circles_[static_cast<std::size_t>(disc)];
     const double x = x_mm - circle.x_mm, y = y_mm - circle.y_mm;
     return circle.radius_mm - std::sqrt(x * x + y * y);
   }
 
-  /// Moves the circle's middle towards one more place of the axis and sets how far all living points are from there:
+  /// Moves the circle's middle towards one more place of the axis and sets how far all occupied points are from there:
   /// `min_distance_mm(x_mm, y_mm)`.
   template <class MinDistance>
   void renew(int disc, double x_mm, double y_mm, const MinDistance& min_distance_mm) noexcept {

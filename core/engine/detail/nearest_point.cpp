@@ -8,7 +8,7 @@ constexpr double kFarMm = 1e4;
 
 }  // namespace
 
-NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : approach_(approach) {
+NearestPoint::NearestPoint(const PointApproach& approach, double z_mm) noexcept : approach_(approach) {
   const AxisLine& line = approach.line;
   x_mm_ = line.x_mm + z_mm * line.x_slope;
   y_mm_ = line.y_mm + z_mm * line.y_slope;
@@ -47,7 +47,7 @@ std::pair<double, double> NearestPoint::backs_mm(double spread_mm) const noexcep
 }
 
 double NearestPoint::max_passed_mm() const noexcept {
-  const Approach& a = approach_;
+  const PointApproach& a = approach_;
   const SweptBit& bit = a.bit;
   // A turning way takes what a straight one before it left within the thicker skin, wherever the bit goes then.
   if (bit.edge_mm() > 0.0) return HUGE_VAL;

@@ -72,7 +72,7 @@ constexpr double kSpareMm = 1e-5;
 constexpr double kMarginMm = 5e-6;
 
 /// What a bit at the end of its way is to all discs.
-struct Approach {
+struct PointApproach {
   const SweptBit& bit;
   Vec3 axis;
   double along;  ///< |cosine| of the tilt
@@ -92,7 +92,7 @@ struct Approach {
   double cylinder_nearer_mm, cone_nearer_mm;  ///< see nearer_mm()
   AxisLine line;
 
-  Approach(const SweptBit& swept, double points_out_of_plane_mm)
+  PointApproach(const SweptBit& swept, double points_out_of_plane_mm)
       : bit(swept),
         axis(swept.to().axis),
         along(std::abs(axis.z())),
@@ -138,11 +138,11 @@ struct Approach {
   }
 };
 
-/// A bound of the bit in one disc, and the nearest living point to it so far.
+/// A bound of the bit in one disc, and the nearest occupied point to it so far.
 class NearestPoint {
  public:
   /// Of the disc at z along the path.
-  NearestPoint(const Approach& approach, double z_mm) noexcept;
+  NearestPoint(const PointApproach& approach, double z_mm) noexcept;
 
   /// The bound's middle in the disc's plane.
   double x_mm() const { return x_mm_; }
@@ -166,7 +166,8 @@ class NearestPoint {
     return std::max(touched_mm_, (best_mm_ + nearer_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
   }
 
-  /// There is, or may be, a living point at this distance from the middle, and none nearer among those it speaks for.
+  /// There is, or may be, an occupied point at this distance from the middle, and none nearer among those it speaks
+  /// for.
   void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_ - nearer_mm_); }
   /// The same, of a point this far off the middle as ellipse() counts it.
   void add_off_centre(double off_centre_mm) { improve(off_centre_mm - size_mm_ - nearer_mm_); }
@@ -212,7 +213,7 @@ class NearestPoint {
 
   const DiscEllipse& shape() const { return ellipse_ != nullptr ? *ellipse_ : approach_.cylinder; }
 
-  const Approach& approach_;
+  const PointApproach& approach_;
   const DiscEllipse* ellipse_ = nullptr;  ///< of the bound that says most here; none for a bit that is neither
   double x_mm_, y_mm_, back_mm_;
   double off_axis_mm_;
@@ -227,7 +228,7 @@ class NearestPoint {
 
 // In sight of the engine's innermost loop.
 inline bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
-  const Approach& a = approach_;
+  const PointApproach& a = approach_;
   const Vec3 from_tip = p - a.bit.to().tip_mm;
   const double back_mm = -from_tip.dot(a.axis);
   const double off_axis_squared = std::max(0.0, from_tip.squaredNorm() - back_mm * back_mm);

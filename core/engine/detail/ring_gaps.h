@@ -9,17 +9,17 @@
 
 namespace spinaltap {
 
-/// For every ring of every disc, a gap of dead points: the places of the living ones at its two ends.
+/// For every ring of every disc, a gap of dead points: the places of the occupied ones at its two ends.
 ///
-/// While the middle of the bit faces the gap, no living point of the ring is nearer to it than the nearer end; so the
-/// rings of a whole disc are asked for their nearest living points in a few vector operations. Where it does not face
+/// While the middle of the bit faces the gap, no occupied point of the ring is nearer to it than the nearer end; so the
+/// rings of a whole disc are asked for their nearest occupied points in a few vector operations. Where it does not face
 /// the gap that is known, the ring's circle itself is the bound. Gaps may be noted smaller than they are, never larger.
 class RingGaps {
  public:
   RingGaps(std::size_t discs, const DiscPattern& pattern, const detail::DiscKernels& kernels);
 
   /// Which ends of rings' gaps, from ring `begin` up to `end`, lie or may lie within `reach_mm` of (x, y) in a disc's
-  /// plane, and how far off it the other ends and all living points beyond them are, at least (1e15 without any), mm:
+  /// plane, and how far off it the other ends and all occupied points beyond them are, at least (1e15 without any), mm:
   /// as the ellipse counts it. `reached` gets a byte a ring, kReachesBelow and kReachesAbove, and some beyond: room for
   /// kLongestVector more than rings.
   double min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,

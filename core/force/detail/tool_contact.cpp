@@ -26,7 +26,7 @@ const std::array<Eigen::Vector2d, kProbesAround>& probes_around() noexcept {
 
 }  // namespace
 
-ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit) : bone_(&bone), is_plate_(bit.is_plate()) {
+ToolContact::ToolContact(const OccupiedBone& bone, const DrillBit& bit) : bone_(&bone), is_plate_(bit.is_plate()) {
   if (is_plate_) {
     const PlateBox box(bit);
     section_mm2_ = bit.diameter_mm * bit.thickness_mm;
@@ -116,24 +116,24 @@ void ToolContact::add_box(const PlateBox& box) {
 double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept {
   const double step_mm = bone_->spacing_mm(p);
   double bone_mm = 0.0;
-  while (bone_mm < max_mm && bone_->living_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
+  while (bone_mm < max_mm && bone_->occupied_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
   if (bone_mm >= max_mm) return max_mm;
   // Between a place in bone and one out of it: where the nearest point changes, so that the depth follows the bit.
   double free_mm = bone_mm + step_mm;
   for (int n = 0; n < 7; ++n) {
     const double middle_mm = 0.5 * (bone_mm + free_mm);
-    (bone_->living_at(p + middle_mm * inward) != nullptr ? bone_mm : free_mm) = middle_mm;
+    (bone_->occupied_at(p + middle_mm * inward) != nullptr ? bone_mm : free_mm) = middle_mm;
   }
   return bone_mm;
 }
 
-Vec3 ToolContact::contact_n(const Pose& pose, HoldSum* hold) const noexcept {
+Vec3 ToolContact::contact_n(const Pose& pose, ContactStiffnessSum* hold) const noexcept {
   const Vec3 u = is_plate_ ? pose.side : any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   Vec3 force_n = Vec3::Zero();
   for (const Place& place : places_) {
     const Vec3 p = pose.tip_mm - place.back_mm * pose.axis + place.across_x_mm * u + place.across_y_mm * v;
-    const LivingBone::Bone* bone = bone_->living_at(p);
+    const OccupiedBone::Bone* bone = bone_->occupied_at(p);
     if (bone == nullptr) continue;
     const Vec3 inward = place.normal_back * pose.axis - place.normal_x * u - place.normal_y * v;
     const double stiff_n_mm = place.share * bone->contact_n_mm;
@@ -144,13 +144,13 @@ Vec3 ToolContact::contact_n(const Pose& pose, HoldSum* hold) const noexcept {
   return force_n;
 }
 
-LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
+OccupiedBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   // A centre and six around it stand for equal shares of the disc: radius² of the centre's share is a seventh of the
   // whole, and the six lie at their share's centroid.
   constexpr double kShare = 1.0 / (kProbesAround + 1);
   const double off_mm = 0.703 * edge_radius_mm_;
   if (width_mm_ > 0.0) {
-    LivingBone::Mean along_edge;
+    OccupiedBone::Mean along_edge;
     constexpr int kPlaces = 15;
     for (int n = 0; n < kPlaces; ++n) {
       const double off = width_mm_ * ((n + 0.5) / kPlaces - 0.5);
@@ -160,7 +160,7 @@ LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   }
   const Vec3 u = any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
-  LivingBone::Mean mean;
+  OccupiedBone::Mean mean;
   bone_->add_ahead_of(pose.tip_mm, pose.axis, kShare, mean);
   for (const Eigen::Vector2d& around : probes_around()) {
     const Vec3 p = pose.tip_mm + off_mm * (around.x() * u + around.y() * v);

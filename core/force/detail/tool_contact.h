@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "core/force/detail/hold_sum.h"
-#include "core/points/living_bone.h"
+#include "core/force/detail/contact_stiffness_sum.h"
+#include "core/points/occupied_bone.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/plate.h"
 
@@ -16,10 +16,10 @@ namespace spinaltap {
 class ToolContact {
  public:
   /// Throws Error on a bad bit.
-  ToolContact(const LivingBone& bone, const DrillBit& bit);
+  ToolContact(const OccupiedBone& bone, const DrillBit& bit);
 
   /// Force on the bit, N; `pose` and force in the bone's coordinates. `hold`, where it is given, has its part added.
-  Vec3 contact_n(const Pose& pose, HoldSum* hold = nullptr) const noexcept;
+  Vec3 contact_n(const Pose& pose, ContactStiffnessSum* hold = nullptr) const noexcept;
   std::size_t place_count() const { return places_.size(); }
 
  private:
@@ -36,7 +36,7 @@ class ToolContact {
   void add_box(const PlateBox& box);
   double depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept;
 
-  const LivingBone* bone_;
+  const OccupiedBone* bone_;
   double section_mm2_;
   bool is_plate_;
   std::vector<Place> places_;
@@ -46,19 +46,19 @@ class ToolContact {
 class ChiselProbe {
  public:
   /// `edge_radius_mm`: of the disc that the chisel edge turns over.
-  ChiselProbe(const LivingBone& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
+  ChiselProbe(const OccupiedBone& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
   /// Ahead of a plate's edge, of all its width.
-  static ChiselProbe of_edge(const LivingBone& bone, double width_mm) {
+  static ChiselProbe of_edge(const OccupiedBone& bone, double width_mm) {
     ChiselProbe probe(bone, 0.0);
     probe.width_mm_ = width_mm;
     return probe;
   }
 
   /// `pose` in the bone's coordinates.
-  LivingBone::Mean ahead_of(const Pose& pose) const noexcept;
+  OccupiedBone::Mean ahead_of(const Pose& pose) const noexcept;
 
  private:
-  const LivingBone* bone_;
+  const OccupiedBone* bone_;
   double edge_radius_mm_;
   double width_mm_ = 0.0;  ///< 0: not of a plate
 };

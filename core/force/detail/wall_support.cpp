@@ -5,7 +5,7 @@
 
 namespace spinaltap {
 
-WallSupport::WallSupport(const LivingBone& bone, const DrillBit& bit)
+WallSupport::WallSupport(const OccupiedBone& bone, const DrillBit& bit)
     : bone_(&bone),
       has_lands_(bit.has_flutes()),
       radius_mm_(bit.radius_mm()),
@@ -14,7 +14,7 @@ WallSupport::WallSupport(const LivingBone& bone, const DrillBit& bit)
       end_mm_(bit.length_mm) {}
 
 Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
-                          HoldSum* hold) noexcept {
+                          ContactStiffnessSum* hold) noexcept {
   constexpr double kRingMm = 2.0;
   constexpr double kFeltMm = 1e-6;
   if (!has_lands_) return Vec3::Zero();
@@ -35,7 +35,7 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
       const double into_mm = aside_mm.dot(direction);
       const Vec3 out = into_mm < 0.0 ? Vec3(-direction) : direction;
       // The engine has taken what the drill swept: the wall begins just beyond.
-      const LivingBone::Bone* const wall = bone_->living_at(centre_mm + (radius_mm_ + spacing_mm) * out);
+      const OccupiedBone::Bone* const wall = bone_->occupied_at(centre_mm + (radius_mm_ + spacing_mm) * out);
       if (wall == nullptr) continue;
       const double stiff_n_mm = area * wall->contact_n_mm;
       force_n -= stiff_n_mm * into_mm * direction;

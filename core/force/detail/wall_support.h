@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/force/detail/hold_sum.h"
-#include "core/points/living_bone.h"
+#include "core/force/detail/contact_stiffness_sum.h"
+#include "core/points/occupied_bone.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
@@ -12,17 +12,17 @@ namespace spinaltap {
 /// burrs and other tools that cut with their sides there is none.
 class WallSupport {
  public:
-  WallSupport(const LivingBone& bone, const DrillBit& bit);
+  WallSupport(const OccupiedBone& bone, const DrillBit& bit);
 
   void reset() noexcept { pressed_mm_.setZero(), turned_.setZero(); }
   /// Force on the drill, N, after a cycle in which its tip went by `moved_mm` and its axis changed by `turned`, `turns`
   /// of its own long; all in the bone's coordinates. `hold`, where it is given, has the wall's part added to it, also
   /// of a wall that is not pressed.
   Vec3 force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
-               HoldSum* hold = nullptr) noexcept;
+               ContactStiffnessSum* hold = nullptr) noexcept;
 
  private:
-  const LivingBone* bone_;
+  const OccupiedBone* bone_;
   bool has_lands_;
   double radius_mm_, section_mm2_;
   double begin_mm_, end_mm_;        ///< of the lands, behind the tip

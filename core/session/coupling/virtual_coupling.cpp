@@ -57,7 +57,7 @@ Vec3 no_longer_than(const Vec3& vector, double longest) {
 Vec3 towards(const Vec3& from, const Vec3& to, double furthest) { return from + no_longer_than(to - from, furthest); }
 
 bool is_touched(const DrillForce& bone) {
-  const auto& stiffness = bone.hold.stiffness;
+  const auto& stiffness = bone.contact.stiffness;
   return bone.resistance.lips_n > 0.0 || bone.resistance.chisel_n > 0.0 || bone.force_n != Vec3::Zero() ||
          std::any_of(stiffness.begin(), stiffness.end(), [](double of) { return of != 0.0; });
 }
@@ -144,10 +144,10 @@ void VirtualCoupling::add_bone(const ToolFeedback& felt, bool spindle_on, double
                                Balance& balance) const noexcept {
   constexpr double kSlowestMmS = 0.1;
   const DrillForce& bone = felt.force;
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> stiffness(bone.hold.stiffness.data());
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> stiffness(bone.contact.stiffness.data());
   balance.matrix += dt_s * stiffness;
   balance.push.head<3>() += spindle_on ? bone.support_n : bone.contact_n;
-  balance.push.tail<3>() += bone.hold.moment_n_mm;
+  balance.push.tail<3>() += bone.contact.moment_n_mm;
   if (!spindle_on) return;
   // Cutting sideways takes energy: against the way it counts as a damper, which cannot push. What lies across the way
   // does no work.

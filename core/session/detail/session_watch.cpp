@@ -55,7 +55,7 @@ void RecentMax::add(double depth_mm, double value) noexcept {
   now_ = std::max(now_, value);
 }
 
-SessionWatch::SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options,
+SessionWatch::SessionWatch(const DrillPath& path, const OccupiedBone& bone, const SessionOptions& options,
                            bool has_clearances)
     : bit_(tool_body(path.bit)),
       curve_(path),

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/points/living_bone.h"
+#include "core/points/occupied_bone.h"
 #include "core/session/cycle.h"
 #include "core/session/drill_session.h"
 #include "core/tool/path_curve.h"
@@ -92,7 +92,7 @@ class RecentMax {
 class SessionWatch {
  public:
   /// `bone` must outlive this.
-  SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances);
+  SessionWatch(const DrillPath& path, const OccupiedBone& bone, const SessionOptions& options, bool has_clearances);
 
   /// After a cycle that moved the bit to `pose`. `state_begin_mm`: where the cycle's state began. `is_cutting`: the
   /// spindle was on.
@@ -126,7 +126,7 @@ class SessionWatch {
 
   ToolBody bit_;
   PathCurve curve_;
-  const LivingBone* bone_;
+  const OccupiedBone* bone_;
   SessionOptions options_;
   bool has_clearances_;
 

@@ -114,7 +114,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
   const BoneModel& model = ball_to_drill();
   fill_volume(points,
               [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
-  const std::size_t alive = points.alive_count();
+  const std::size_t occupied = points.occupied_count();
   const auto engine = make_ring_engine(points, bit, Material{});
   const PathMotion tool_operator(path, trembling(4));
   RemainingBone bone(model);
@@ -129,7 +129,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
   surface.update();
   // The 6 k points of ring k share the area between (k - 1/2) and (k + 1/2) spacings: pi / 3 spacings² each.
   const double expected_mm3 =
-      std::numbers::pi / 3.0 * std::pow(0.05, 3) * static_cast<double>(alive - points.alive_count());
+      std::numbers::pi / 3.0 * std::pow(0.05, 3) * static_cast<double>(occupied - points.occupied_count());
   EXPECT_NEAR(before_mm3 - volume_mm3(surface), expected_mm3, 0.01 * expected_mm3);
 
   // Half a voxel: no point that is left lies deeper in the hole's voxels, none that went lies deeper in the bone.
@@ -143,7 +143,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
                                        static_cast<int>(std::lround(at.z()))};
       const double off_mm = (p - voxel_mm * Vec3(nearest[0], nearest[1], nearest[2])).norm();
       const auto hole_mm = static_cast<double>(bone.hole_mm(nearest));
-      if (points.is_alive(disc, n)) {
+      if (points.is_occupied(disc, n)) {
         ASSERT_GT(hole_mm + off_mm, -0.5 * voxel_mm);
       } else {
         ASSERT_LT(hole_mm - off_mm, 0.5 * voxel_mm);

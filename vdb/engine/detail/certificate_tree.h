@@ -11,9 +11,9 @@
 
 namespace spinaltap::detail {
 
-/// Boxes within boxes of living bone, as the nodes of a VDB tree have them: a step goes down to those that the tool may
-/// have reached since they were last looked at, past all others by the certificates of what they lie in (see
-/// MoveCertificates). A box without living bone is dropped, and its parent's last takes its place.
+/// Boxes within boxes of occupied bone, as the nodes of a VDB tree have them: a step goes down to those that the tool
+/// may have reached since they were last looked at, past all others by the certificates of what they lie in (see
+/// MoveCertificates). A box without occupied bone is dropped, and its parent's last takes its place.
 class CertificateTree {
  public:
   /// The boxes of one level, all of one size, in the order of the level above.
@@ -72,7 +72,7 @@ class CertificateTree {
 
   Vec3 centre_mm(std::size_t box) const { return levels_.front().certificates.centre_mm(box); }
   double half_mm() const { return levels_.front().certificates.half_mm(); }
-  /// Boxes of the highest level that hold something living.
+  /// Boxes of the highest level that hold something occupied.
   std::size_t top_count() const { return top_count_; }
   std::size_t memory_bytes() const;
 

@@ -1,6 +1,6 @@
-// A box of points that was just looked at needs no look until the bit has moved by the gap to its nearest living point.
-// A step goes down the tree of such boxes (see CertificateTree): nodes, leaves, cells; then to the points of cells that
-// are due, after their box has been classified: outside the swept bit, inside the bit, or cut.
+// A box of points that was just looked at needs no look until the bit has moved by the gap to its nearest occupied
+// point. A step goes down the tree of such boxes (see CertificateTree): nodes, leaves, cells; then to the points of
+// cells that are due, after their box has been classified: outside the swept bit, inside the bit, or cut.
 //
 // Which points die is decided as in every engine: by SweptBit.
 
@@ -50,7 +50,7 @@ void LeafVolumeEngine::kill_point(PointLeaves::Cell& cell, std::size_t place, Re
   const auto [disc, index] = leaves_.point(place);
   if constexpr (sharing == Sharing::yes) {
     // Another thread's cell may have points in the same word.
-    std::atomic_ref(volume_.alive_words(disc)[index / 64])
+    std::atomic_ref(volume_.occupancy_words(disc)[index / 64])
         .fetch_and(~(std::uint64_t{1} << (index % 64)), std::memory_order_relaxed);
     account(disc, index, removal);
   } else {
@@ -71,15 +71,15 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
     return;
   }
   if (tool.holds_ball(centre, half_mm)) {
-    while (cell.living > 0) kill_point<sharing>(cell, cell.begin, removal);
+    while (cell.occupied > 0) kill_point<sharing>(cell, cell.begin, removal);
     return tree_.set_empty(number);
   }
   constexpr double kFar = std::numeric_limits<double>::infinity();
   double cylinder_mm = kFar;
   double cone_mm = kFar;
-  removal.tested += cell.living;
+  removal.tested += cell.occupied;
   const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
-  for (std::size_t n = cell.begin; n < cell.begin + cell.living;) {
+  for (std::size_t n = cell.begin; n < cell.begin + cell.occupied;) {
     const auto [disc, index] = leaves_.point(n);
     const Vec3 p = volume_.point_in_path_mm(disc, index);
     const BitPlace at = tool.place(p);
@@ -93,7 +93,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
     cone_mm = std::min(cone_mm, from_cone_mm);
     ++n;
   }
-  if (cell.living == 0) return tree_.set_empty(number);
+  if (cell.occupied == 0) return tree_.set_empty(number);
   // Behind the cone a bit slides along its own wall: that certificate outlives a much longer one that counts advance.
   const double margin_mm = bounds_.margin_mm();
   if (cylinder_mm > std::max(4.0 * margin_mm, 0.25 * cone_mm)) return certify({cylinder_mm - margin_mm, 0.0, 0.0});
@@ -103,7 +103,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
   const PieceBounds from(bounds_, centre, half_mm);
   double body_mm = kFar;
   double round_mm = kFar;
-  for (std::size_t n = cell.begin; n < cell.begin + cell.living; ++n) {
+  for (std::size_t n = cell.begin; n < cell.begin + cell.occupied; ++n) {
     const auto [disc, index] = leaves_.point(n);
     const BitPlace at = tool.place(volume_.point_in_path_mm(disc, index));
     body_mm = std::min(body_mm, bounds_.from_body_mm(at));

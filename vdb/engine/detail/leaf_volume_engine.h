@@ -17,7 +17,7 @@ class LeafVolumeEngine final : public VolumeEngine {
 
   std::size_t memory_bytes() const override;
   const PointLeaves& leaves() const { return leaves_; }
-  /// Of the tree's nodes, those that have living points.
+  /// Of the tree's nodes, those that have occupied points.
   std::size_t node_count() const { return tree_.top_count(); }
 
  protected:

@@ -34,7 +34,7 @@ struct BitLine {
   double way_mm = 0.0;         ///< of the tip, over the step; asked for where the step turns
 };
 
-/// For each of many boxes of one size, how far the bit may move before it can touch a living point there.
+/// For each of many boxes of one size, how far the bit may move before it can touch an occupied point there.
 ///
 /// A box's certificate was made at some line of the axis, a' where it is a now. For every point p within h of the box's
 /// centre c, whose foot on the axis is F, the vector from the axis to p changes across the old axis by at most

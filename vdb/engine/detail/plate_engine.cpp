@@ -1,7 +1,7 @@
 // A plate's kerf has two large walls along which it slides: thousands of leaves that touch it and lose nothing. So a
 // leaf's certificate is of one direction of the plate alone: how far along it the plate may go before it can touch a
-// living voxel there. How far it went is summed up in each of its three directions, for all of the bone at once, and a
-// certificate is the sum at which it ends: that it still holds is one comparison.
+// occupied voxel there. How far it went is summed up in each of its three directions, for all of the bone at once, and
+// a certificate is the sum at which it ends: that it still holds is one comparison.
 
 #include "vdb/engine/detail/plate_engine.h"
 
@@ -15,7 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/tool/plate.h"
-#include "vdb/engine/detail/living_leaf.h"
+#include "vdb/engine/detail/occupied_leaf.h"
 #include "vdb/engine/detail/voxel_leaves.h"
 #include "vdb/engine/detail/word_kernels.h"
 
@@ -30,7 +30,7 @@ struct OneWay {
   double end_mm = -kNever;
 };
 
-struct PlateLeaf : LivingLeaf {
+struct PlateLeaf : OccupiedLeaf {
   Vec3 centre_mm;
   OneWay holds;
 };
@@ -91,7 +91,7 @@ class PlateEngine final : public DrillEngine {
     const openvdb::Coord middle(sum.x() / 2, sum.y() / 2, sum.z() / 2);
     frame_ = PathFrame(bone.centre_mm({middle.x(), middle.y(), middle.z()}));
     std::int32_t farthest = 0;
-    std::size_t alive_count = 0;
+    std::size_t occupied_count = 0;
     const auto centre_mm = [&](const openvdb::Coord& at, unsigned side) -> Vec3 {
       return voxel_mm_ * (Vec3(at.x(), at.y(), at.z()) + Vec3::Constant(0.5 * (side - 1)));
     };
@@ -100,16 +100,16 @@ class PlateEngine final : public DrillEngine {
     for (VoxelNode* node : nodes) {
       PlateNode listed{centre_mm(node->origin() - middle, VoxelNode::DIM), leaves_.size()};
       for (auto leaf = node->beginChildOn(); leaf; ++leaf) {
-        const auto alive = static_cast<std::uint32_t>(leaf->onVoxelCount());
-        if (alive == 0) continue;
+        const auto occupied = static_cast<std::uint32_t>(leaf->onVoxelCount());
+        if (occupied == 0) continue;
         const openvdb::Coord at = leaf->origin() - middle;
         leaves_.push_back({{&leaf->getValueMask().template getWord<std::uint64_t>(0),
                             leaf->buffer().data(),
                             {at.x(), at.y(), at.z()},
-                            alive},
+                            occupied},
                            centre_mm(at, VoxelLeafNode::DIM),
                            {}});
-        alive_count += alive;
+        occupied_count += occupied;
         for (unsigned n = 0; n < 3; ++n) {
           farthest = std::max(farthest, std::abs(at[n]) + std::int32_t{VoxelLeafNode::DIM});
         }
@@ -120,7 +120,7 @@ class PlateEngine final : public DrillEngine {
     leaf_half_mm_ = 0.5 * std::sqrt(3.0) * (VoxelLeafNode::DIM - 1) * voxel_mm_;
     node_half_mm_ = 0.5 * std::sqrt(3.0) * (VoxelNode::DIM - 1) * voxel_mm_;
     farthest_mm_ = std::sqrt(3.0) * farthest * voxel_mm_;
-    sums_.check_fit(farthest, alive_count);
+    sums_.check_fit(farthest, occupied_count);
   }
 
   void remove(const SweptPlate& swept, Removal& removal) noexcept {
@@ -157,7 +157,7 @@ class PlateEngine final : public DrillEngine {
       PlateLeaf& leaf = leaves_[n];
       if (!(way_mm_[leaf.holds.direction] < leaf.holds.end_mm)) {
         look(leaf, swept, removal);
-        if (leaf.alive == 0) {
+        if (leaf.occupied == 0) {
           leaf = leaves_[node.begin + --node.count];
           continue;
         }
@@ -211,7 +211,7 @@ class PlateEngine final : public DrillEngine {
       sums_.kill(leaf, x, dead, removal);
       if (leaf.words[x] != 0) beyond.take(end, x, leaf.words[x], larger_);
     }
-    if (leaf.alive == 0) return;
+    if (leaf.occupied == 0) return;
     leaf.holds = {};
     double most_mm = 0.0;
     for (unsigned n = 0; n < 3; ++n) {
@@ -265,13 +265,13 @@ class PlateEngine final : public DrillEngine {
     return dead;
   }
 
-  /// How far living voxels lie beyond each of the plate's sides, the least of them.
+  /// How far occupied voxels lie beyond each of the plate's sides, the least of them.
   struct Beyond {
     std::array<float, 3> low{1e30F, 1e30F, 1e30F}, high{1e30F, 1e30F, 1e30F};
 
-    void take(const LeafPlace& end, unsigned x, std::uint64_t living, const FloatBox& box) noexcept {
+    void take(const LeafPlace& end, unsigned x, std::uint64_t occupied, const FloatBox& box) noexcept {
       alignas(64) std::array<float, 64> absent;
-      for (std::size_t bit = 0; bit < 64; ++bit) absent[bit] = (living >> bit & 1U) != 0 ? 0.0F : 1e30F;
+      for (std::size_t bit = 0; bit < 64; ++bit) absent[bit] = (occupied >> bit & 1U) != 0 ? 0.0F : 1e30F;
       for (unsigned n = 0; n < 3; ++n) {
         const float at = end.first[n] + static_cast<float>(x) * end.per_x[n];
         const auto& offsets = end.offsets->of_bits[n];

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 
 namespace spinaltap::detail {
 namespace {
@@ -19,11 +19,11 @@ using LeafNode = CellTree::RootNodeType::ChildNodeType::ChildNodeType;
 static_assert(CellNode::DIM == PointLeaves::kLeafCells);
 static_assert(LeafNode::DIM == PointLeaves::kLeafCells * PointLeaves::kNodeLeaves);
 
-/// Calls visit(disc, index, cell) for every living point.
+/// Calls visit(disc, index, cell) for every occupied point.
 template <class Visit>
-void visit_living(const PointVolume& volume, double cell_mm, const Visit& visit) {
+void visit_occupied(const PointVolume& volume, double cell_mm, const Visit& visit) {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
-    visit_up(volume.alive_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
+    visit_up(volume.occupancy_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
       const Vec3 p = volume.point_in_path_mm(disc, index) / cell_mm;
       visit(disc, index,
             Coord(static_cast<Int32>(std::floor(p.x())), static_cast<Int32>(std::floor(p.y())),
@@ -57,7 +57,7 @@ PointLeaves::PointLeaves(const PointVolume& volume)
   std::size_t points = 0;
   {
     openvdb::tree::ValueAccessor<CellTree> at(tree_->cells);
-    visit_living(volume, cell_mm_, [&](int, std::size_t, const Coord& cell) {
+    visit_occupied(volume, cell_mm_, [&](int, std::size_t, const Coord& cell) {
       at.setValueOn(cell, std::max(at.getValue(cell), 0) + 1);
       ++points;
     });
@@ -75,9 +75,9 @@ PointLeaves::PointLeaves(const PointVolume& volume)
   cell_count_ = cells_.size();
   points_.resize(points);
   openvdb::tree::ValueAccessor<const CellTree> number(tree_->cells);
-  visit_living(volume, cell_mm_, [&](int disc, std::size_t index, const Coord& place) {
+  visit_occupied(volume, cell_mm_, [&](int disc, std::size_t index, const Coord& place) {
     Cell& cell = cells_[static_cast<std::size_t>(number.getValue(place))];
-    points_[cell.begin + cell.living++] =
+    points_[cell.begin + cell.occupied++] =
         static_cast<std::uint32_t>(disc) << shift_ | static_cast<std::uint32_t>(index);
   });
 }

@@ -11,10 +11,10 @@
 
 namespace spinaltap::detail {
 
-/// The living points of a volume, ordered by the leaves of a VDB tree.
+/// The occupied points of a volume, ordered by the leaves of a VDB tree.
 ///
 /// The tree's index space is the volume's own path frame in cells of a few spacings; an active voxel is a cell that has
-/// living points, and its value the cell's number. Cells are numbered leaf by leaf, and a cell's points lie together.
+/// occupied points, and its value the cell's number. Cells are numbered leaf by leaf, and a cell's points lie together.
 /// A cell that is empty is dropped: its voxel is switched off, and its leaf's last cell takes its number. Nothing is
 /// allocated after construction.
 class PointLeaves {
@@ -34,10 +34,10 @@ class PointLeaves {
   std::vector<CertificateTree::Level> levels() const;
 
   struct Cell {
-    std::uint32_t begin;   ///< its first point
-    std::uint32_t living;  ///< of points
-    std::uint32_t leaf;    ///< of the tree
-    std::uint32_t voxel;   ///< in the leaf
+    std::uint32_t begin;     ///< its first point
+    std::uint32_t occupied;  ///< of points
+    std::uint32_t leaf;      ///< of the tree
+    std::uint32_t voxel;     ///< in the leaf
   };
   struct Point {
     int disc;
@@ -45,13 +45,13 @@ class PointLeaves {
   };
 
   Cell& cell(std::size_t number) { return cells_[number]; }
-  /// How many cells have living points.
+  /// How many cells have occupied points.
   std::size_t cell_count() const { return cell_count_; }
   Point point(std::size_t place) const {
     return {static_cast<int>(points_[place] >> shift_), points_[place] & ((std::uint32_t{1} << shift_) - 1)};
   }
-  /// Takes the point at `place` out of its cell; the cell's last living point moves there.
-  void drop_point(Cell& cell, std::size_t place) noexcept { points_[place] = points_[cell.begin + --cell.living]; }
+  /// Takes the point at `place` out of its cell; the cell's last occupied point moves there.
+  void drop_point(Cell& cell, std::size_t place) noexcept { points_[place] = points_[cell.begin + --cell.occupied]; }
   /// Takes an empty cell out of its leaf, whose last cell gets its number.
   void drop_cell(std::size_t number, std::size_t last) noexcept;
 

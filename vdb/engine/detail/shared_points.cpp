@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 
 namespace spinaltap {
 namespace {
@@ -59,10 +59,10 @@ std::size_t drop_shared_points(std::span<PointVolume* const> volumes) {
         tbb::blocked_range<int>(0, earlier.empty() ? 0 : volume.disc_count()), std::size_t{0},
         [&](const tbb::blocked_range<int>& discs, std::size_t count) {
           for (int disc = discs.begin(); disc < discs.end(); ++disc) {
-            visit_up(volume.alive_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
+            visit_up(volume.occupancy_words(disc).data(), 0, volume.pattern().point_count(), [&](std::size_t index) {
               const Vec3 p = volume.frame().to_patient(volume.point_in_path_mm(disc, index));
               if (std::ranges::any_of(earlier, [&](const Reach& reach) { return reach.holds(p); })) {
-                volume.set_alive(disc, index, false);
+                volume.set_occupied(disc, index, false);
                 ++count;
               }
               return true;

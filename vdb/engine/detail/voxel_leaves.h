@@ -9,7 +9,7 @@
 
 namespace spinaltap::detail {
 
-/// A leaf of 8 x 8 x 8 voxels with a word of 64 living bits for each x. Nodes above it of 4 x 4 x 4 leaves, and of
+/// A leaf of 8 x 8 x 8 voxels with a word of 64 occupied bits for each x. Nodes above it of 4 x 4 x 4 leaves, and of
 /// 4 x 4 x 4 of those: a tool of a few millimetres meets few of either.
 using VoxelLeafNode = openvdb::tree::LeafNode<std::uint8_t, 3>;
 using VoxelNode = openvdb::tree::InternalNode<VoxelLeafNode, 2>;

@@ -35,9 +35,9 @@ struct LeafPlace {
 
 /// What a word of 64 voxels came to.
 struct WordResult {
-  std::uint64_t unsure;        ///< of the living: the tool may have reached them
+  std::uint64_t unsure;        ///< of the occupied: the tool may have reached them
   std::uint64_t dead;          ///< the tool holds them at the end of its way
-  float cylinder, cone, body;  ///< least bounds of the other living voxels; 1e15 or more without any
+  float cylinder, cone, body;  ///< least bounds of the other occupied voxels; 1e15 or more without any
 };
 
 struct LeafArguments {
@@ -75,8 +75,8 @@ struct RowArguments {
 struct WordKernels {
   const char* name;
   void (*look_at_words)(const LeafArguments& leaf, WordResult* words);
-  /// Adds to `dead` the living voxels that a place surely holds, to `unsure` others that may have been reached. Gives
-  /// the least square of all other living voxels' distance from the first place; 1e30 without any.
+  /// Adds to `dead` the occupied voxels that a place surely holds, to `unsure` others that may have been reached. Gives
+  /// the least square of all other occupied voxels' distance from the first place; 1e30 without any.
   float (*look_at_rows)(const RowArguments& rows, std::uint64_t* dead, std::uint64_t* unsure);
 
   // Of machines that are no x86 the first alone.

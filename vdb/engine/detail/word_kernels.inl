@@ -30,7 +30,7 @@ inline Floats choose(Lanes lanes, Floats there, Floats else_where) {
       _mm512_mask_blend_ps(lanes, reinterpret_cast<__m512>(else_where), reinterpret_cast<__m512>(there)));
 }
 inline Lanes is_zero(Ints a) { return _mm512_cmpeq_epi32_mask(reinterpret_cast<__m512i>(a), _mm512_setzero_si512()); }
-inline Lanes living(std::uint64_t alive, unsigned bit) { return static_cast<Lanes>(alive >> bit); }
+inline Lanes occupied_lanes(std::uint64_t word, unsigned bit) { return static_cast<Lanes>(word >> bit); }
 inline std::uint64_t bits(Lanes lanes) { return lanes; }
 inline Floats roots(Floats squares) {
   return reinterpret_cast<Floats>(_mm512_sqrt_ps(reinterpret_cast<__m512>(squares)));
@@ -47,11 +47,11 @@ using Lanes = Ints;
 inline Lanes not_above(Floats a, Floats b) { return a <= b; }
 inline Floats choose(Lanes lanes, Floats there, Floats else_where) { return lanes ? there : else_where; }
 inline Lanes is_zero(Ints a) { return a == 0; }
-inline Lanes living(std::uint64_t alive, unsigned bit) {
+inline Lanes occupied_lanes(std::uint64_t word, unsigned bit) {
   constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
   Ints lane_bit;
   for (unsigned lane = 0; lane < kLanes; ++lane) lane_bit[lane] = static_cast<std::int32_t>(1U << lane);
-  return (lane_bit & static_cast<std::int32_t>(alive >> bit & kAllLanes)) != 0;
+  return (lane_bit & static_cast<std::int32_t>(word >> bit & kAllLanes)) != 0;
 }
 inline Floats less(Floats a, Floats b) { return a < b ? a : b; }
 inline Floats more(Floats a, Floats b) { return a > b ? a : b; }
@@ -120,9 +120,9 @@ struct WordPlaces {
   Places at_end(unsigned bit) const { return after[last].at(bit); }
 };
 
-inline bool has_living(std::uint64_t alive, unsigned bit) {
+inline bool has_occupied(std::uint64_t word, unsigned bit) {
   constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
-  return (alive >> bit & kAllLanes) != 0;
+  return (word >> bit & kAllLanes) != 0;
 }
 
 /// Lower bounds of the distance from the tool.
@@ -158,18 +158,18 @@ void look_at_words(const LeafArguments& leaf, WordResult* words) {
   const WordTool& tool = *leaf.tool;
   const Floats far = all(1e30F);
   for (unsigned word = 0; word < 8; ++word) {
-    const std::uint64_t alive = leaf.words[word];
-    if (alive == 0) continue;
+    const std::uint64_t occupied = leaf.words[word];
+    if (occupied == 0) continue;
     const auto x = static_cast<float>(word);
     const WordPlaces places(leaf, x);
     Floats least_cylinder = far, least_cone = far, least_body = far;
     std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
-      if (!has_living(alive, bit)) continue;
+      if (!has_occupied(occupied, bit)) continue;
       const Bounds at = bounds_at(leaf, places.at_end(bit));
       const Floats cylinder = at.off - tool.radius;
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
-      const Lanes lives = living(alive, bit);
+      const Lanes lives = occupied_lanes(occupied, bit);
       const Lanes dead = lives & not_above(at.deep, all(-tool.spare));
       Lanes unsure = lives & ~dead & not_above(cylinder, all(leaf.cylinder)) & not_above(cone, all(leaf.cone)) &
                      not_above(at.body, all(leaf.body));
@@ -309,13 +309,13 @@ inline Lanes between_ends(const RowSquares& squares, const RoundPlace& place) {
   return not_above(all(place.low), less(squares.along, last)) & not_above(more(squares.along, last), all(place.high));
 }
 
-[[gnu::always_inline]] inline float look_at_rows(const RowArguments& rows, bool is_ball, const RowWords& living,
+[[gnu::always_inline]] inline float look_at_rows(const RowArguments& rows, bool is_ball, const RowWords& occupied,
                                                  RowWords& dead, RowWords& unsure) {
   const Floats out = all(rows.out_square);
   Floats least = all(1e30F);
   for (unsigned row = 0; row < 64; row += kLanes) {
-    if (!has_any(living.words, row)) continue;
-    const Ints lives = rows_at(living.words, row);
+    if (!has_any(occupied.words, row)) continue;
+    const Ints lives = rows_at(occupied.words, row);
     Ints held{}, reached{};
     RowSquares squares{};
     float bend = 1.0F;
@@ -340,10 +340,10 @@ inline Lanes between_ends(const RowSquares& squares, const RoundPlace& place) {
 }
 
 float look_at_rows(const RowArguments& rows, std::uint64_t* dead, std::uint64_t* unsure) {
-  const RowWords living(rows.words, rows.along_y);
+  const RowWords occupied(rows.words, rows.along_y);
   RowWords dead_here, unsure_here;
-  const float least = rows.is_ball ? look_at_rows(rows, true, living, dead_here, unsure_here)
-                                   : look_at_rows(rows, false, living, dead_here, unsure_here);
+  const float least = rows.is_ball ? look_at_rows(rows, true, occupied, dead_here, unsure_here)
+                                   : look_at_rows(rows, false, occupied, dead_here, unsure_here);
   if (rows.along_y) {
     swap_rows(dead_here.words);
     swap_rows(unsure_here.words);

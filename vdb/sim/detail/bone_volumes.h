@@ -20,7 +20,7 @@ struct FineSpacing {
 /// must outlive the sampler.
 BoneSampler sampler_of(const BoneModel& bone, const ScalarField* exact = nullptr);
 
-/// One volume along the path, or several end to end where it is finer in places. Every point is alive, of 0 HU.
+/// One volume along the path, or several end to end where it is finer in places. Every point is occupied, of 0 HU.
 std::vector<PointVolume> volumes_along(const BoneModel& bone, const DrillPath& path, const PointVolumeOptions& options,
                                        const FineSpacing& fine);
 

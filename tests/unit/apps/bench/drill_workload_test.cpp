@@ -23,7 +23,7 @@ TEST(DrillWorkload, HasThePapersPoints) {
   EXPECT_EQ(volume.disc_count(), 378);
   EXPECT_EQ(volume.pattern().point_count(), 2'611U);
   EXPECT_EQ(volume.point_count(), 986'958U);
-  EXPECT_EQ(volume.alive_count(), 986'958U);
+  EXPECT_EQ(volume.occupied_count(), 986'958U);
   EXPECT_EQ(workload_volume(0.05).point_count(), 8'029'476U);
   const PointVolume finest(workload_path(3.0), {.radius_mm = 3.0, .spacing_mm = 0.025, .hu_bits = HuBits::eight});
   EXPECT_EQ(finest.point_count(), 64'775'592U);
@@ -37,15 +37,16 @@ TEST(DrillWorkload, VariesItsCtNumbersAlongThePath) {
   EXPECT_NEAR(workload_volume(0.1).hu(12, 0), 400, 8);  // steps of 16 HU
 }
 
-TEST(DrillWorkload, IsAliveAgainAfterRevival) {
+TEST(DrillWorkload, IsOccupiedAgainAfterItIsRestored) {
   PointVolume volume = workload_volume(0.2);
-  const std::vector<std::uint64_t> before(volume.alive_words().begin(), volume.alive_words().end());
+  const std::vector<std::uint64_t> before(volume.occupancy_words().begin(), volume.occupancy_words().end());
   const auto engine = make_ring_engine(volume, workload_path(3.0).bit, Material());
   engine->step(workload_poses(WorkloadMotion::on_path).back());
-  EXPECT_LT(volume.alive_count(), volume.point_count());
-  revive_all(volume);
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
-  EXPECT_TRUE(std::equal(before.begin(), before.end(), volume.alive_words().begin(), volume.alive_words().end()));
+  EXPECT_LT(volume.occupied_count(), volume.point_count());
+  restore_all(volume);
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
+  EXPECT_TRUE(
+      std::equal(before.begin(), before.end(), volume.occupancy_words().begin(), volume.occupancy_words().end()));
 }
 
 TEST(DrillWorkload, MovesAsItsNamesSay) {

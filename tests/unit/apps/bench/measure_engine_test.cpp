@@ -20,14 +20,14 @@ class MeasureEngine : public testing::Test {
   ClockCosts costs_ = measure_clock_costs();
 };
 
-/// Leaves one point alive that the ring engine removes.
+/// Leaves one point occupied that the ring engine removes.
 class Forgetful final : public DrillEngine {
  public:
   Forgetful(PointVolume& volume, const DrillBit& bit, const Material& material)
       : volume_(volume), engine_(make_ring_engine(volume, bit, material)) {}
   StepResult step(const Pose& pose) noexcept override {
     const StepResult result = engine_->step(pose);
-    volume_.set_alive(1, 0, true);
+    volume_.set_occupied(1, 0, true);
     return result;
   }
   void reset_motion() noexcept override { engine_->reset_motion(); }
@@ -54,7 +54,7 @@ TEST_F(MeasureEngine, CountsEveryCycleOfTheWholePath) {
   EXPECT_EQ(measured.last_tenth.begin, 1'800U);
   EXPECT_EQ(measured.cycles, 2'000U);
   // The step to the first pose is not a cycle.
-  const std::size_t dead = volume_.point_count() - volume_.alive_count();
+  const std::size_t dead = volume_.point_count() - volume_.occupied_count();
   EXPECT_LE(measured.all.removed, dead);
   EXPECT_GT(measured.all.removed, dead / 2);
   EXPECT_LE(measured.cpu.p50_us, measured.cpu.p99_us);
@@ -62,12 +62,12 @@ TEST_F(MeasureEngine, CountsEveryCycleOfTheWholePath) {
   EXPECT_GT(measured.memory_bytes, volume_.memory_bytes());
 }
 
-TEST_F(MeasureEngine, LeavesTheSamePointsAliveWithEveryEngine) {
+TEST_F(MeasureEngine, LeavesTheSamePointsOccupiedWithEveryEngine) {
   const auto reference = measure_whole_path(run(make_reference_engine), volume_, costs_);
   const auto ring = measure_whole_path(run(make_ring_engine), volume_, costs_);
-  EXPECT_EQ(reference.alive_hash, ring.alive_hash);
+  EXPECT_EQ(reference.occupancy_hash, ring.occupancy_hash);
   EXPECT_EQ(reference.all.removed, ring.all.removed);
-  EXPECT_NE(ring.alive_hash, measure_whole_path(run(forgetful()), volume_, costs_).alive_hash);
+  EXPECT_NE(ring.occupancy_hash, measure_whole_path(run(forgetful()), volume_, costs_).occupancy_hash);
 }
 
 TEST_F(MeasureEngine, RemovesInWindowsWhatTheWholePathRemovesThere) {
@@ -91,7 +91,7 @@ TEST_F(MeasureEngine, RejectsEnginesThatLeaveOtherPointsInAWindow) {
   EXPECT_THROW(measure_windows(run(make_ring_engine), volume_, costs_, {.cycles = 101}), Error);
 }
 
-TEST_F(MeasureEngine, MeasuresAStepWithEveryPointAliveBefore) {
+TEST_F(MeasureEngine, MeasuresAStepWithEveryPointOccupiedBefore) {
   const StepWorkload step = burr_step();
   const std::vector<Pose> poses{step.from, step.to};
   const EngineRun burr{make_ring_engine, step.bit, poses};
@@ -99,7 +99,7 @@ TEST_F(MeasureEngine, MeasuresAStepWithEveryPointAliveBefore) {
   const StepMeasurement again = measure_step(burr, volume_);
   EXPECT_GT(first.removed, 0U);
   EXPECT_EQ(first.removed, again.removed);
-  EXPECT_EQ(first.alive_hash, again.alive_hash);
+  EXPECT_EQ(first.occupancy_hash, again.occupancy_hash);
   EXPECT_GT(first.wall_ns, 0);
 }
 

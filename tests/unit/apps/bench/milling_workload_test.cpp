@@ -70,9 +70,9 @@ TEST(MillingWorkload, TakesTheSameVolumeOfPointsAndVoxels) {
       double& sum_mm3 = mm3[kind == EngineKind::voxel];
       sum_mm3 = 0.0;
       for (std::size_t n = 0; n < poses.size(); n += 5) sum_mm3 += engine->step(poses[n]).removed_mm3;
-      EXPECT_LT(run.alive_hash(), whole.alive_count());
+      EXPECT_LT(run.occupancy_hash(), whole.occupied_count());
       run.begin();
-      EXPECT_EQ(run.alive_hash(), whole.alive_count()) << "all bone lives again";
+      EXPECT_EQ(run.occupancy_hash(), whole.occupied_count()) << "all bone lives again";
     }
     // At least what the balls' middle plane sweeps, 14 mm wide and some 6 mm deep.
     EXPECT_GT(mm3[0], 14.0 * 14.0 * 6.0);

@@ -165,7 +165,7 @@ TEST(GradeReport, WarnsWhereTheCtIsTooCoarseToTellABreach) {
   EXPECT_FALSE(hides_breach(breaching)) << "it is told already";
 }
 
-TEST(GradeReport, NamesTheErrorsOfItsOddsAsPeopleDo) {
+TEST(GradeReport, NamesTheErrorsOfItsProbabilitiesAsPeopleDo) {
   GradedPath placed = graded(0.0);
   placed.placed.emplace();
   placed.placed->errors.name = "robot_726";

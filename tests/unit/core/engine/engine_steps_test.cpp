@@ -77,14 +77,14 @@ TEST_P(EngineSteps, ChangeNothingAtPosesThatAreNone) {
   for (const double length : {2.0, 0.5, 1.0 + 2e-6, 1.0 - 2e-6}) bad.push_back({good.tip_mm, length * good.axis});
 
   const auto expect_nothing = [&] {
-    const std::uint64_t living = test::hash_of_living(volume);
+    const std::uint64_t occupied = test::hash_of_occupied(volume);
     for (const Pose& pose : bad) {
       const StepResult result = drilling->step(pose);
       EXPECT_EQ(result.removed, 0U);
       EXPECT_EQ(result.tested, 0U);
       EXPECT_EQ(result.work_n_mm, 0.0);
     }
-    EXPECT_EQ(test::hash_of_living(volume), living);
+    EXPECT_EQ(test::hash_of_occupied(volume), occupied);
   };
   expect_nothing();  // before the bit is placed
   drilling->step(pose_at(volume, Vec3(0, 0, 1.0)));
@@ -94,20 +94,20 @@ TEST_P(EngineSteps, ChangeNothingAtPosesThatAreNone) {
   const auto other = engine(undisturbed, bit);
   EXPECT_GT(other->step(pose_at(volume, Vec3(0, 0, 1.0))).removed, 0U);
   EXPECT_EQ(drilling->step(good).removed, other->step(good).removed);
-  EXPECT_EQ(test::hash_of_living(volume), test::hash_of_living(undisturbed));
+  EXPECT_EQ(test::hash_of_occupied(volume), test::hash_of_occupied(undisturbed));
 }
 
 TEST_P(EngineSteps, SurviveWaysOfTensOfMetres) {
   PointVolume volume = block(4.0, 1.0, 0.1);
   const auto drilling = engine(volume, {1.0, 10.0, 2.0});
   drilling->step(pose_at(volume, Vec3(-9'999.0, 0.0, 2.05)));
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
   EXPECT_GT(drilling->step(pose_at(volume, Vec3(9'999.0, 0.0, 2.05))).removed, 1'000U);
   // Passed across: at 1 mm behind the tip the bit is 0.25 mm to both sides. Positions of 10 m hold 2 nm.
   for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
     const double off_mm = std::abs(volume.pattern().point_mm(i).y());
     if (std::abs(off_mm - 0.2625) < 1e-4) continue;
-    EXPECT_EQ(volume.is_alive(10, i), off_mm > 0.2625) << off_mm;
+    EXPECT_EQ(volume.is_occupied(10, i), off_mm > 0.2625) << off_mm;
   }
 }
 
@@ -117,8 +117,8 @@ TEST_P(EngineSteps, TakeTheFirstPoseWithoutAWayAndRemoveNothingTwice) {
   // Nothing lies between the volume's start and the bit, were it to come from there: it is placed beyond.
   const StepResult first = drilling->step(pose_at(volume, Vec3(0, 0, 3.5)));
   EXPECT_GT(first.removed, 100U);
-  for (int disc = 0; disc < 20; ++disc) ASSERT_TRUE(volume.is_alive(disc, 0)) << disc;
-  EXPECT_EQ(volume.alive_count() + first.removed, volume.point_count());
+  for (int disc = 0; disc < 20; ++disc) ASSERT_TRUE(volume.is_occupied(disc, 0)) << disc;
+  EXPECT_EQ(volume.occupied_count() + first.removed, volume.point_count());
   EXPECT_EQ(drilling->step(pose_at(volume, Vec3(0, 0, 3.5))).removed, 0U);
 }
 

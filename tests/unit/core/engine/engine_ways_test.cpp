@@ -39,15 +39,15 @@ TEST_P(EngineWays, LeaveNothingInAJumpSidewaysThatSmallStepsRemove) {
     PointVolume walked = jumped;
     const auto jumper = engine(jumped, bit);
     jumper->step(pose_at(jumped, begin_mm));
-    const std::size_t at_begin = jumped.alive_count();
+    const std::size_t at_begin = jumped.occupied_count();
     jumper->step(pose_at(jumped, end_mm));
     const auto walker = engine(walked, bit);
     for (int i = 0; i <= 2400; ++i) {
       walker->step(pose_at(walked, begin_mm + i / 2400.0 * (end_mm - begin_mm)));
     }
     EXPECT_TRUE(test::lives_within(jumped, walked)) << depth_mm;
-    EXPECT_EQ(jumped.alive_count(), walked.alive_count()) << depth_mm;
-    EXPECT_LT(jumped.alive_count() + 1'500, at_begin);
+    EXPECT_EQ(jumped.occupied_count(), walked.occupied_count()) << depth_mm;
+    EXPECT_LT(jumped.occupied_count() + 1'500, at_begin);
   }
 }
 
@@ -72,8 +72,8 @@ TEST_P(EngineWays, LeaveNothingInAJumpOfAnyToolThatSmallStepsRemove) {
         walker->step(pose_at(walked, begin_mm + i / 1200.0 * (end_mm - begin_mm), axis));
       }
       EXPECT_TRUE(test::lives_within(jumped, walked)) << n;
-      EXPECT_EQ(jumped.alive_count(), walked.alive_count()) << n;
-      removed += jumped.point_count() - jumped.alive_count();
+      EXPECT_EQ(jumped.occupied_count(), walked.occupied_count()) << n;
+      removed += jumped.point_count() - jumped.occupied_count();
     }
     EXPECT_GT(removed, 1'000U);
   }
@@ -109,9 +109,9 @@ TEST_P(EngineWays, RemoveMoreWithALargerBit) {
     }
     for (std::size_t n = 1; n < volumes.size(); ++n) {
       EXPECT_TRUE(test::lives_within(volumes[n], volumes[n - 1])) << n;
-      EXPECT_LT(volumes[n].alive_count(), volumes[n - 1].alive_count()) << n;
+      EXPECT_LT(volumes[n].occupied_count(), volumes[n - 1].occupied_count()) << n;
     }
-    EXPECT_LT(volumes[0].alive_count(), volumes[0].point_count());
+    EXPECT_LT(volumes[0].occupied_count(), volumes[0].point_count());
   }
 }
 
@@ -135,8 +135,8 @@ TEST_P(EngineWays, RemoveTheSameFromOnePoseToAnotherAndBack) {
       const auto second = engine(back, tool.bit);
       second->step(b);
       second->step(a);
-      EXPECT_EQ(test::hash_of_living(there), test::hash_of_living(back)) << n;
-      EXPECT_LT(there.alive_count(), there.point_count()) << n;
+      EXPECT_EQ(test::hash_of_occupied(there), test::hash_of_occupied(back)) << n;
+      EXPECT_LT(there.occupied_count(), there.point_count()) << n;
     }
   }
 }
@@ -164,7 +164,8 @@ TEST_P(EngineWays, TakeARingOnWhichTheBitsWallLiesWhateverThePathsDirection) {
       for (int ring = 0; ring < volume.pattern().ring_count(); ++ring) {
         const std::size_t start = DiscPattern::ring_start(ring);
         for (std::size_t i = start; i < start + DiscPattern::ring_size(ring); ++i) {
-          ASSERT_EQ(volume.is_alive(disc, i), back_mm < 0.0 || ring > last_ring) << "disc " << disc << " ring " << ring;
+          ASSERT_EQ(volume.is_occupied(disc, i), back_mm < 0.0 || ring > last_ring)
+              << "disc " << disc << " ring " << ring;
         }
       }
     }

@@ -22,7 +22,8 @@ void fill_some(PointVolume& volume, std::uint64_t seed, bool only_a_ball) {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
       volume.set_hu(disc, i, draw(-300.0, 2500.0));
-      if (only_a_ball) volume.set_alive(disc, i, (volume.point_in_path_mm(disc, i) - centre).norm() < 0.45 * depth_mm);
+      if (only_a_ball)
+        volume.set_occupied(disc, i, (volume.point_in_path_mm(disc, i) - centre).norm() < 0.45 * depth_mm);
     }
   }
 }
@@ -72,7 +73,7 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   Bench bench(volume, bit, seed % 4 == 0 ? test::every_engine() : test::three_engines());
   test::AnyMotion motion(seed, kLengthMm, kRadiusMm);
   std::size_t removed = 0;
-  const std::size_t alive_at_first = volume.alive_count();
+  const std::size_t occupied_at_first = volume.occupied_count();
   for (int step = 0; step < 60; ++step) {
     SCOPED_TRACE(::testing::Message() << "step " << step);
     const Pose pose = volume.frame().to_patient(motion.next());
@@ -87,11 +88,11 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
     for (std::size_t n = 1; n < bench.engines.size(); ++n) {
       SCOPED_TRACE(bench.kinds[n].name);
       ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(pose), reference));
-      ASSERT_EQ(test::hash_of_living(bench.volumes[n]), test::hash_of_living(bench.volumes[0]));
+      ASSERT_EQ(test::hash_of_occupied(bench.volumes[n]), test::hash_of_occupied(bench.volumes[0]));
     }
   }
-  EXPECT_EQ(bench.volumes[0].alive_count() + removed, alive_at_first);
-  EXPECT_GT(removed, alive_at_first / 200);
+  EXPECT_EQ(bench.volumes[0].occupied_count() + removed, occupied_at_first);
+  EXPECT_GT(removed, occupied_at_first / 200);
 }
 
 TEST(Engines, RemoveByAProfileWhatTheyRemoveByTheShapeThatItRepeats) {
@@ -110,7 +111,7 @@ TEST(Engines, RemoveByAProfileWhatTheyRemoveByTheShapeThatItRepeats) {
       const Pose pose = of_shape.frame().to_patient(motion.next());
       ASSERT_NO_FATAL_FAILURE(expect_same(profile->step(pose), shape->step(pose))) << "step " << step;
     }
-    EXPECT_EQ(test::hash_of_living(of_profile), test::hash_of_living(of_shape));
+    EXPECT_EQ(test::hash_of_occupied(of_profile), test::hash_of_occupied(of_shape));
   }
 }
 
@@ -166,11 +167,11 @@ TEST_P(EnginesAtWork, RemoveEqualSetsAtEveryHundredthCycle) {
       SCOPED_TRACE(bench.kinds[n].name);
       ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(patient), reference));
       if (cycle % 100 != 0) continue;
-      ASSERT_EQ(test::hash_of_living(bench.volumes[n]), test::hash_of_living(bench.volumes[0]));
+      ASSERT_EQ(test::hash_of_occupied(bench.volumes[n]), test::hash_of_occupied(bench.volumes[0]));
     }
   }
   // The bit's section over the volume's, where the cone is past: some 17 of 100.
-  EXPECT_LT(bench.volumes[0].alive_count(), volume.point_count() * 88 / 100);
+  EXPECT_LT(bench.volumes[0].occupied_count(), volume.point_count() * 88 / 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, EnginesAtWork,
@@ -203,7 +204,7 @@ TEST(Engines, RemoveEqualSetsOfJitteredPointsByBluntBits) {
           ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(pose), reference));
         }
       }
-      EXPECT_LT(bench.volumes[0].alive_count(), volume.point_count() * 3 / 4);
+      EXPECT_LT(bench.volumes[0].occupied_count(), volume.point_count() * 3 / 4);
     }
   }
 }
@@ -227,7 +228,7 @@ TEST(Engines, RemoveWhatTheSkinOfABluntConeReaches) {
         ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(pose), reference));
       }
     }
-    EXPECT_EQ(bench.volumes[0].is_alive(10, DiscPattern::ring_start(ring)), beside_nm > kSkinNm);
+    EXPECT_EQ(bench.volumes[0].is_occupied(10, DiscPattern::ring_start(ring)), beside_nm > kSkinNm);
   }
 }
 
@@ -244,7 +245,7 @@ std::vector<StepResult> run(const test::NamedEngine& kind, std::size_t threads, 
   for (int step = 0; step < 14; ++step) {
     tip_mm += draw.within(Vec3(-1.0, -1.0, 0.2), Vec3(1.0, 1.0, 1.2));
     results.push_back(engine->step(test::pose_at(volume, tip_mm, Vec3(0.1, -0.2, 1.0))));
-    hashes.push_back(test::hash_of_living(volume));
+    hashes.push_back(test::hash_of_occupied(volume));
   }
   return results;
 }

@@ -45,16 +45,16 @@ inline std::vector<NamedEngine> three_engines() {
 }
 
 /// Of all words that say which points live (FNV-1a, by words).
-inline std::uint64_t hash_of_living(const PointVolume& volume) {
+inline std::uint64_t hash_of_occupied(const PointVolume& volume) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const std::uint64_t word : volume.alive_words()) hash = (hash ^ word) * 0x100000001b3ULL;
+  for (const std::uint64_t word : volume.occupancy_words()) hash = (hash ^ word) * 0x100000001b3ULL;
   return hash;
 }
 
 /// Whether every point that lives in `few` lives in `many`.
 inline bool lives_within(const PointVolume& few, const PointVolume& many) {
-  for (std::size_t n = 0; n < few.alive_words().size(); ++n) {
-    if ((few.alive_words()[n] & ~many.alive_words()[n]) != 0) return false;
+  for (std::size_t n = 0; n < few.occupancy_words().size(); ++n) {
+    if ((few.occupancy_words()[n] & ~many.occupancy_words()[n]) != 0) return false;
   }
   return true;
 }

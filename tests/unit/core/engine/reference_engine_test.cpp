@@ -35,23 +35,23 @@ TEST_P(ReferenceEngineMotion, RemovesWhatADenseWalkHoldsAndNothingBesideIt) {
     const Pose pose = tool_operator.next(volume);
     const PointVolume before = volume;
     const StepResult result = engine->step(pose);
-    // Only the living die, each is counted, and none comes back.
+    // Only the occupied die, each is counted, and none comes back.
     std::size_t died = 0;
     for (int disc = 0; disc < volume.disc_count(); ++disc) {
       for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
-        ASSERT_LE(volume.is_alive(disc, i), before.is_alive(disc, i));
-        if (!before.is_alive(disc, i)) continue;
+        ASSERT_LE(volume.is_occupied(disc, i), before.is_occupied(disc, i));
+        if (!before.is_occupied(disc, i)) continue;
         constexpr double kFinestMm = 1e-3;
         constexpr double kTurningSkinMm = 3e-3;
         const Vec3 p = volume.frame().to_patient(volume.point_in_path_mm(disc, i));
         const double distance_mm = test::min_distance_mm(profile, last, pose, p, kFinestMm);
         // Positions of 500 mm carry 1e-13 mm each.
         if (distance_mm < -1e-10) {
-          ASSERT_FALSE(volume.is_alive(disc, i)) << step << " at " << distance_mm;
+          ASSERT_FALSE(volume.is_occupied(disc, i)) << step << " at " << distance_mm;
         } else if (distance_mm > kFinestMm + kTurningSkinMm) {
-          ASSERT_TRUE(volume.is_alive(disc, i)) << step << " at " << distance_mm;
+          ASSERT_TRUE(volume.is_occupied(disc, i)) << step << " at " << distance_mm;
         }
-        died += volume.is_alive(disc, i) ? 0U : 1U;
+        died += volume.is_occupied(disc, i) ? 0U : 1U;
       }
     }
     ASSERT_EQ(result.removed, died);
@@ -75,10 +75,10 @@ TEST(ReferenceEngine, RemovesNothingWhenTheBitIsOutside) {
     // Before the entry, then past the volume's side at 0.05 mm, then behind its end.
     engine->step(pose_at(volume, Vec3(0, 0, -0.05 * (100 - i) - 0.001)));
   }
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
   const auto beside = make_reference_engine(volume, {1.0, 10.0, 2.0}, {});
   for (int i = 0; i < 100; ++i) beside->step(pose_at(volume, Vec3(0, 1.45, 0.1 * i)));
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
 }
 
 TEST(ReferenceEngine, SurvivesABitThatIsTurnedRound) {
@@ -88,13 +88,13 @@ TEST(ReferenceEngine, SurvivesABitThatIsTurnedRound) {
   engine->step(pose_at(volume, Vec3(0, 0, 2.0)));
   engine->step(pose_at(volume, Vec3(0, 0, 2.0), -Vec3::UnitZ()));
   // At the end the bit points back, and has its base at 4 mm.
-  EXPECT_FALSE(volume.is_alive(35, 0));
-  EXPECT_FALSE(volume.is_alive(5, 0));
+  EXPECT_FALSE(volume.is_occupied(35, 0));
+  EXPECT_FALSE(volume.is_occupied(5, 0));
   // In the tip's plane the bit has passed to one side only, no wider than it is.
   const DiscPattern& pattern = volume.pattern();
   Eigen::Vector2d middle_mm(0, 0);
   for (std::size_t i = 0; i < pattern.point_count(); ++i) {
-    if (!volume.is_alive(20, i)) middle_mm += pattern.point_mm(i);
+    if (!volume.is_occupied(20, i)) middle_mm += pattern.point_mm(i);
   }
   ASSERT_GT(middle_mm.norm(), 1.0);
   const Eigen::Vector2d side = middle_mm.normalized();
@@ -102,7 +102,7 @@ TEST(ReferenceEngine, SurvivesABitThatIsTurnedRound) {
     const Eigen::Vector2d& p = pattern.point_mm(i);
     const double across_mm = std::abs(p.x() * side.y() - p.y() * side.x());
     const double cone_mm = 0.5 * p.dot(side);
-    if (volume.is_alive(20, i)) {
+    if (volume.is_occupied(20, i)) {
       EXPECT_FALSE(across_mm < std::min(cone_mm, 0.5) - 0.01) << p.transpose();
     } else {
       EXPECT_TRUE(p.dot(side) > -0.01 && across_mm < 0.51) << p.transpose();
@@ -177,7 +177,7 @@ TEST(ReferenceEngine, RemovesTheBitsVolumeOnThePath) {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (int ring = 0; ring < volume.pattern().ring_count(); ++ring) {
       for (std::size_t i = 0; i < DiscPattern::ring_size(ring); ++i) {
-        if (!volume.is_alive(disc, DiscPattern::ring_start(ring) + i)) {
+        if (!volume.is_occupied(disc, DiscPattern::ring_start(ring) + i)) {
           removed_mm3 += volume.pattern().point_volume_mm3(ring);
         }
       }
@@ -188,7 +188,7 @@ TEST(ReferenceEngine, RemovesTheBitsVolumeOnThePath) {
   EXPECT_NEAR(removed_mm3, expected_mm3, 0.003 * expected_mm3);
 }
 
-TEST(ReferenceEngine, DoesNoWorkWhereNothingIsAlive) {
+TEST(ReferenceEngine, DoesNoWorkWhereNothingIsOccupied) {
   PointVolume volume = block(4.0, 1.5, 0.1);
   const auto engine = make_reference_engine(volume, {1.5, 10.0, 2.0}, {});
   engine->step(pose_at(volume, Vec3(0, 0, 2.0)));

@@ -33,9 +33,9 @@ struct Disc {
     for (int ring = 0; ring < pattern->ring_count(); ++ring) {
       const std::size_t start = DiscPattern::ring_start(ring);
       const std::size_t size = DiscPattern::ring_size(ring);
-      std::size_t alive = 0;
-      for (std::size_t i = 0; i < size; ++i) alive += lives[start + i];
-      if (alive == 0) {
+      std::size_t occupied = 0;
+      for (std::size_t i = 0; i < size; ++i) occupied += lives[start + i];
+      if (occupied == 0) {
         gaps.set_dead(0, ring);
         continue;
       }
@@ -50,7 +50,7 @@ struct Disc {
     }
   }
 
-  /// The least distance of a ring's living points from a place, as the ellipse counts it.
+  /// The least distance of a ring's occupied points from a place, as the ellipse counts it.
   double nearest_mm(int ring, double x_mm, double y_mm, const detail::FloatEllipse& ellipse) const {
     double nearest_mm = 1e15;
     const std::size_t start = DiscPattern::ring_start(ring);
@@ -75,7 +75,7 @@ detail::FloatEllipse random_ellipse(Draw& draw) {
   return ellipse(draw(0.0, 1.0) < 0.1 ? 0.0 : tilt, draw(0.0, 2.0 * std::numbers::pi));
 }
 
-TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
+TEST(RingGaps, NeverPassOverAnOccupiedPointWithinReachWithAnyInstructions) {
   SCOPED_TRACE(::testing::Message() << "seed " << kGapSeed);
   const auto& kernels = detail::disc_kernels();
   Draw draw(kGapSeed);

@@ -28,7 +28,7 @@ Sums gone(const PointVolume& before, const PointVolume& after, const Material& m
   Sums sums;
   for (int disc = 0; disc < before.disc_count(); ++disc) {
     for (std::size_t i = 0; i < before.pattern().point_count(); ++i) {
-      if (!before.is_alive(disc, i) || after.is_alive(disc, i)) continue;
+      if (!before.is_occupied(disc, i) || after.is_occupied(disc, i)) continue;
       const double mm3 = before.pattern().point_volume_mm3(DiscPattern::ring_of(i));
       const double n_mm = mm3 * material.cutting_energy_mpa(before.hu(disc, i));
       sums.mm3 += mm3;
@@ -117,7 +117,7 @@ TEST_P(StepResults, OfABitThatTurnsTellHowFarBackItCut) {
       std::array<double, StepResult::kBackParts> least{}, most{};
       for (int disc = 0; disc < before.disc_count(); ++disc) {
         for (std::size_t i = 0; i < before.pattern().point_count(); ++i) {
-          if (!before.is_alive(disc, i) || volume.is_alive(disc, i)) continue;
+          if (!before.is_occupied(disc, i) || volume.is_occupied(disc, i)) continue;
           const double mm3 = before.pattern().point_volume_mm3(DiscPattern::ring_of(i));
           const double mpa = material.cutting_energy_mpa(before.hu(disc, i));
           const Vec3 p = before.frame().to_patient(before.point_in_path_mm(disc, i));
@@ -185,7 +185,7 @@ TEST_P(StepResults, OfABitWhoseMotionIsResetAreThoseOfItsNewPlaceAlone) {
     const double from_walls_mm =
         std::min(std::abs(bit_distance_mm(profile, there, p)), std::abs(bit_distance_mm(profile, first, p)));
     if (from_walls_mm > 1e-5) {  // engines' bits are larger by a skin
-      EXPECT_EQ(volume.is_alive(10, i), !is_held);
+      EXPECT_EQ(volume.is_occupied(10, i), !is_held);
     }
     if (std::abs(volume.pattern().point_mm(i).x() - 0.1) < 0.15 && !is_held) ++between;
   }

@@ -66,7 +66,7 @@ TEST(VolumeSegments, AreDrilledByOneJointEngine) {
   std::vector<std::unique_ptr<DrillEngine>> engines;
   std::size_t before = 0;
   for (PointVolume& volume : volumes) {
-    before += volume.alive_count();
+    before += volume.occupied_count();
     engines.push_back(make_ring_engine(volume, wall_path().bit, {}));
   }
   const auto engine = make_joint_engine(std::move(engines));
@@ -75,12 +75,12 @@ TEST(VolumeSegments, AreDrilledByOneJointEngine) {
     removed += engine->step({wall_path().entry_mm + (0.1 * n - 3.0) * wall_path().direction(), wall_path().direction()})
                    .removed;
   }
-  EXPECT_EQ(before - removed, volumes[0].alive_count() + volumes[1].alive_count());
+  EXPECT_EQ(before - removed, volumes[0].occupied_count() + volumes[1].occupied_count());
   // The bit's volume: a cylinder to 2 mm before the target, then a cone.
   double removed_mm3 = 0.0;
   for (const PointVolume& volume : volumes) {
     removed_mm3 +=
-        static_cast<double>(volume.point_count() - volume.alive_count()) * volume.pattern().point_volume_mm3(1);
+        static_cast<double>(volume.point_count() - volume.occupied_count()) * volume.pattern().point_volume_mm3(1);
   }
   const double expected_mm3 = std::numbers::pi * (21.0 + 2.0 / 3.0);
   // A wall of 1 mm lies on a ring of points, which is removed whole: half a spacing more of radius.

@@ -33,15 +33,18 @@ TEST(PlanningRulesFile, ShippedIsWhatTheLibraryTakesByItself) {
   EXPECT_EQ(shipped.weights.endplates, own.weights.endplates);
   EXPECT_EQ(shipped.weights.density, own.weights.density);
   EXPECT_EQ(shipped.weights.along_axis, own.weights.along_axis);
-  EXPECT_EQ(shipped.weights.hold, own.weights.hold);
+  EXPECT_EQ(shipped.weights.fixation, own.weights.fixation);
 }
 
-TEST(PlanningRulesFile, OfBeforeTheHoldCountedPlansAsThen) {
+TEST(PlanningRulesFile, OfBeforeFixationCountedPlansAsThen) {
   const test::TemporaryFolder folder;
   Json json = read_json(data_file("planning/pedicle.json"));
-  json["weights"].erase("hold");
+  json["weights"].erase("fixation");
   std::ofstream(folder.path() / "rules.json") << json.dump();
-  EXPECT_EQ(read_planning_rules(folder.path() / "rules.json").weights.hold, 0.0);
+  EXPECT_EQ(read_planning_rules(folder.path() / "rules.json").weights.fixation, 0.0);
+  json["weights"]["hold"] = 0.5;  // its name in 0.1
+  std::ofstream(folder.path() / "rules.json", std::ios::trunc) << json.dump();
+  EXPECT_EQ(read_planning_rules(folder.path() / "rules.json").weights.fixation, 0.5);
 }
 
 TEST(PlanningRulesFile, IsRejectedWithTheKeyAtFaultNamed) {

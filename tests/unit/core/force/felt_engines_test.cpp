@@ -30,7 +30,7 @@ void fill_with_holes(PointVolume& volume, std::uint64_t seed) {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
       volume.set_hu(disc, i, draw(0.0, 1500.0));
-      volume.set_alive(disc, i, draw(0.0, 1.0) < 0.9);
+      volume.set_occupied(disc, i, draw(0.0, 1.0) < 0.9);
     }
   }
 }

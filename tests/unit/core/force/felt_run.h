@@ -23,7 +23,7 @@ inline void fill_density(PointVolume& volume, const Material& material,
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
       const double density = density_g_cm3(volume.point_in_path_mm(disc, i));
-      volume.set_alive(disc, i, density > 0.0);
+      volume.set_occupied(disc, i, density > 0.0);
       volume.set_hu(disc, i, hu_of(material, density));
     }
   }

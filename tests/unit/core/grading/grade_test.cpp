@@ -88,20 +88,20 @@ TEST_F(GradePath, TellsHowAScrewHoldsByTheBoneItIsInAndNothingOfABit) {
   DrillPath screwed = path(25.0);
   DrillPath bare = screwed;
   bare.screw.reset();
-  EXPECT_FALSE(grade(bare).hold);
-  const std::optional<ScrewHold> hold = grade(screwed).hold;
-  ASSERT_TRUE(hold);
+  EXPECT_FALSE(grade(bare).fixation);
+  const std::optional<ScrewFixation> fixation = grade(screwed).fixation;
+  ASSERT_TRUE(fixation);
   // All of its thread in the block: Chapman's formula.
   const double g_cm3 = Material().density.density_g_cm3(300.0);
   const double diameter_mm = 2.0 * kScrewRadiusMm, thread_mm = screwed.length_mm() - 4.0;
   const ScrewThread thread = usual_thread(diameter_mm);
   const double by_hand_n = 51.6 * std::pow(g_cm3 / 1.9, 1.7) * thread_mm * std::numbers::pi * diameter_mm *
                            (0.5 + 0.57735 * thread.depth_mm(diameter_mm) / thread.pitch_mm);
-  EXPECT_NEAR(hold->engaged_mm, thread_mm, 1e-6);
-  EXPECT_NEAR(hold->pullout_n.median / by_hand_n, 1.0, 0.02);
+  EXPECT_NEAR(fixation->engaged_mm, thread_mm, 1e-6);
+  EXPECT_NEAR(fixation->pullout_n.median / by_hand_n, 1.0, 0.02);
   // Its axis in the block's side: half the hold, though the sampler tells of bone there, too.
   screwed.entry_mm.x() = screwed.target_mm.x() = test::Block::kHalfWidthMm;
-  EXPECT_NEAR(grade(screwed).hold->pullout_n.median / by_hand_n, 0.5, 0.05);
+  EXPECT_NEAR(grade(screwed).fixation->pullout_n.median / by_hand_n, 0.5, 0.05);
 }
 
 TEST_F(GradePath, NamesTheSideOfTheNearestApproachOnLeftAndRight) {

@@ -11,8 +11,8 @@
 
 #include "core/base/error.h"
 #include "core/files/measurements_file.h"
-#include "core/grading/screw_hold.h"
-#include "tests/support/foam_hold_model.h"
+#include "core/grading/screw_fixation.h"
+#include "tests/support/foam_fixation_model.h"
 
 namespace spinaltap {
 namespace {
@@ -32,9 +32,9 @@ struct PredictedRange {
   double high = 0.0;
   double log_sum = 0.0;
   int count = 0;
-  HoldFigure widest{0.0, std::numeric_limits<double>::infinity(), 0.0};  ///< the bands of all together
+  FixationFigure widest{0.0, std::numeric_limits<double>::infinity(), 0.0};  ///< the bands of all together
 
-  void add(double value, const HoldFigure& figure) {
+  void add(double value, const FixationFigure& figure) {
     low = std::min(low, value);
     high = std::max(high, value);
     log_sum += std::log(value);
@@ -69,20 +69,20 @@ ScrewAnswer of_vertebra(const OpenValues& open, bool ends_in_pedicle = false) {
     for (const double hole_mm : open.holes_mm) {
       for (const double hu : open.bones) {
         const double pedicle_mm = kInPedicle * screw.length_mm;
-        const ScrewHold hold =
-            screw_hold(screwed_along_z(screw, hole_mm), [&](std::span<const Vec3> p, std::span<double> g) {
+        const ScrewFixation fixation =
+            screw_fixation(screwed_along_z(screw, hole_mm), [&](std::span<const Vec3> p, std::span<double> g) {
               for (std::size_t n = 0; n < g.size(); ++n) {
                 g[n] = calibration.density_g_cm3(p[n].z() < pedicle_mm ? kPedicleShare * hu : hu);
               }
             });
-        answer.pullout.add(hold.pullout_n.median, hold.pullout_n);
-        double torque_n_mm = hold.max_torque_n_mm.median;
+        answer.pullout.add(fixation.pullout_n.median, fixation.pullout_n);
+        double torque_n_mm = fixation.max_torque_n_mm.median;
         if (ends_in_pedicle) {
-          for (const HoldRow& row : hold.rows) {
+          for (const FixationRow& row : fixation.rows) {
             if (row.depth_mm <= pedicle_mm) torque_n_mm = row.torque_n_mm;
           }
         }
-        answer.torque.add(torque_n_mm, hold.max_torque_n_mm);
+        answer.torque.add(torque_n_mm, fixation.max_torque_n_mm);
       }
     }
   }
@@ -94,12 +94,12 @@ ScrewAnswer of_foam(const OpenValues& open) {
   for (const PedicleScrew& screw : open.screws) {
     for (const double hole_mm : open.holes_mm) {
       for (const double g_cm3 : open.bones) {
-        const ScrewHold hold = screw_hold(
+        const ScrewFixation fixation = screw_fixation(
             screwed_along_z(screw, hole_mm),
             [&](std::span<const Vec3>, std::span<double> g) { std::fill(g.begin(), g.end(), g_cm3); },
-            test::foam_hold_model());
-        answer.pullout.add(hold.pullout_n.median, hold.pullout_n);
-        answer.torque.add(hold.max_torque_n_mm.median, hold.max_torque_n_mm);
+            test::foam_fixation_model());
+        answer.pullout.add(fixation.pullout_n.median, fixation.pullout_n);
+        answer.torque.add(fixation.max_torque_n_mm.median, fixation.max_torque_n_mm);
       }
     }
   }

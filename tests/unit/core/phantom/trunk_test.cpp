@@ -34,7 +34,7 @@ TEST(Trunk, IsTheSameOfTheSameSeedAndAnotherOfAnother) {
   EXPECT_EQ(differ, 10);
 }
 
-TEST(Trunk, CanBeMadeOfEverySeedWithOddsAsAskedFor) {
+TEST(Trunk, CanBeMadeOfEverySeedWithProbabilitiesAsAskedFor) {
   int necks = 0, crushed = 0, filled = 0, thin = 0, thick = 0;
   constexpr int kSeeds = 200;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {

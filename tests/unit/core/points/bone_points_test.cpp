@@ -62,7 +62,7 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
   const BonePoints bone(volumes, material);
   EXPECT_EQ(bone.widest_spacing_mm(), 0.2);
   for (double z_mm = 0.0; z_mm < 5.8; z_mm += 0.013) {
-    const BonePoints::Bone* found = bone.living_at(Vec3(0.3, -0.7, z_mm));
+    const BonePoints::Bone* found = bone.occupied_at(Vec3(0.3, -0.7, z_mm));
     ASSERT_NE(found, nullptr) << z_mm;
     // To half a spacing, and half a HU.
     const double spacing_mm = bone.discs_at(z_mm)->pattern().spacing_mm();
@@ -72,26 +72,26 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
     EXPECT_NEAR(found->chisel_mpa, material.chisel_mpa * std::pow(found->density_g_cm3, material.chisel_exponent),
                 1e-9);
   }
-  EXPECT_EQ(bone.living_at(Vec3(0.0, 0.0, -0.2)), nullptr);
-  EXPECT_EQ(bone.living_at(Vec3(0.0, 0.0, 6.0)), nullptr);
-  EXPECT_EQ(bone.living_at(Vec3(2.2, 0.0, 3.0)), nullptr);
-  EXPECT_EQ(bone.living_at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), nullptr);
-  volumes[1].set_alive(0, 0, false);
-  EXPECT_EQ(bone.living_at(bone.frame().to_path(volumes[1].frame().to_patient(Vec3::Zero()))), nullptr);
+  EXPECT_EQ(bone.occupied_at(Vec3(0.0, 0.0, -0.2)), nullptr);
+  EXPECT_EQ(bone.occupied_at(Vec3(0.0, 0.0, 6.0)), nullptr);
+  EXPECT_EQ(bone.occupied_at(Vec3(2.2, 0.0, 3.0)), nullptr);
+  EXPECT_EQ(bone.occupied_at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), nullptr);
+  volumes[1].set_occupied(0, 0, false);
+  EXPECT_EQ(bone.occupied_at(bone.frame().to_path(volumes[1].frame().to_patient(Vec3::Zero()))), nullptr);
 }
 
-TEST(BonePoints, HaveLivingBoneUntilTheLastPointIsDead) {
+TEST(BonePoints, HaveOccupiedBoneUntilTheLastPointIsRemoved) {
   std::vector<PointVolume> volumes =
       make_segments(test::askew_path(3.0), {{0.0, 1.0, 0.2}, {1.0, 3.0, 0.1}}, {.radius_mm = 1.0});
   const BonePoints bone(volumes, {});
-  EXPECT_TRUE(bone.has_living());
+  EXPECT_TRUE(bone.has_occupied());
   for (PointVolume& volume : volumes) {
-    for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.alive_words(disc), 0U);
+    for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.occupancy_words(disc), 0U);
   }
-  EXPECT_FALSE(bone.has_living());
+  EXPECT_FALSE(bone.has_occupied());
   PointVolume& last = volumes.back();
-  last.set_alive(last.disc_count() - 1, last.pattern().point_count() - 1, true);
-  EXPECT_TRUE(bone.has_living());
+  last.set_occupied(last.disc_count() - 1, last.pattern().point_count() - 1, true);
+  EXPECT_TRUE(bone.has_occupied());
 }
 
 TEST(BonePoints, RejectVolumesThatDoNotLieAlongOnePath) {

@@ -191,17 +191,17 @@ TEST(PointBits, AreSetOneByOneAndEndWithTheLastPoint) {
   const std::size_t points = volume.pattern().point_count();
   ASSERT_EQ(points, 61U);
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
-    ASSERT_EQ(std::as_const(volume).alive_words(disc).size(), 1U);
-    ASSERT_EQ(std::as_const(volume).alive_words(disc)[0], (std::uint64_t{1} << 61) - 1);
+    ASSERT_EQ(std::as_const(volume).occupancy_words(disc).size(), 1U);
+    ASSERT_EQ(std::as_const(volume).occupancy_words(disc)[0], (std::uint64_t{1} << 61) - 1);
   }
-  volume.set_alive(2, 60, false);
-  volume.set_alive(2, 60, false);
-  EXPECT_FALSE(volume.is_alive(2, 60));
-  EXPECT_TRUE(volume.is_alive(2, 59));
-  EXPECT_TRUE(volume.is_alive(3, 0));
-  EXPECT_EQ(volume.alive_count(), volume.point_count() - 1);
-  volume.set_alive(2, 60, true);
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
+  volume.set_occupied(2, 60, false);
+  volume.set_occupied(2, 60, false);
+  EXPECT_FALSE(volume.is_occupied(2, 60));
+  EXPECT_TRUE(volume.is_occupied(2, 59));
+  EXPECT_TRUE(volume.is_occupied(3, 0));
+  EXPECT_EQ(volume.occupied_count(), volume.point_count() - 1);
+  volume.set_occupied(2, 60, true);
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
 }
 
 }  // namespace

@@ -102,8 +102,8 @@ TEST(PointSplats, BringToLightWhatLiesBesideTheHoleAndHideWhatIsGone) {
   for (std::size_t n = 0; n < volume.point_count(); ++n) {
     const PointSplat& splat = splats.splats()[n];
     const auto disc = static_cast<int>(n / volume.pattern().point_count());
-    const bool is_alive = volume.is_alive(disc, n % volume.pattern().point_count());
-    if (!is_alive) {
+    const bool is_occupied = volume.is_occupied(disc, n % volume.pattern().point_count());
+    if (!is_occupied) {
       ASSERT_EQ(splat.alpha, 0.0F);
       continue;
     }

@@ -36,7 +36,7 @@ TEST(PointVolume, HoldsAsManyPointsAsThePaperSays) {
   const PointVolume sample(far_path(), {.radius_mm = 3.0, .spacing_mm = 0.1});
   EXPECT_EQ(sample.disc_count(), 378);
   EXPECT_EQ(sample.point_count(), 986'958U);
-  EXPECT_EQ(sample.alive_count(), 986'958U);
+  EXPECT_EQ(sample.occupied_count(), 986'958U);
   EXPECT_EQ(PointVolume(straight_path(10.0), {.radius_mm = 4.0, .spacing_mm = 0.1}).point_count(), 468'100U);
   EXPECT_EQ(PointVolume(straight_path(10.0), {.radius_mm = 4.0, .spacing_mm = 0.05}).point_count(), 3'792'200U);
 }
@@ -109,22 +109,22 @@ TEST(FillVolume, KeepsWhatLiesInTheBallWithItsNumbers) {
   const Vec3 centre_mm = path.entry_mm + 2.0 * path.direction();
   PointVolume volume(path, {.radius_mm = 3.0, .spacing_mm = 0.2});
   fill_volume(volume, bone_ball(centre_mm, 2.5));
-  std::size_t alive = 0;
+  std::size_t occupied = 0;
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
       const Vec3 p_mm = volume.frame().to_patient(volume.point_in_path_mm(disc, i));
       const double r_mm = (p_mm - centre_mm).norm();
       if (std::abs(r_mm - 2.5) > 1e-6) {  // float distances
-        ASSERT_EQ(volume.is_alive(disc, i), r_mm < 2.5) << disc << " " << i;
+        ASSERT_EQ(volume.is_occupied(disc, i), r_mm < 2.5) << disc << " " << i;
       }
-      if (!volume.is_alive(disc, i)) continue;
-      ++alive;
+      if (!volume.is_occupied(disc, i)) continue;
+      ++occupied;
       ASSERT_NEAR(volume.hu(disc, i), 100.0 * r_mm, 0.5 + 1e-4);
     }
   }
-  EXPECT_EQ(volume.alive_count(), alive);
-  EXPECT_GT(alive, 1000U);
-  EXPECT_LT(alive, volume.point_count() / 2);
+  EXPECT_EQ(volume.occupied_count(), occupied);
+  EXPECT_GT(occupied, 1000U);
+  EXPECT_LT(occupied, volume.point_count() / 2);
 }
 
 TEST(FillVolume, GivesTheSameAtAnyNumberOfThreads) {
@@ -138,7 +138,7 @@ TEST(FillVolume, GivesTheSameAtAnyNumberOfThreads) {
   }
   const tbb::global_control parallel(tbb::global_control::max_allowed_parallelism, 2);
   fill_volume(two, bone);
-  EXPECT_TRUE(std::ranges::equal(std::as_const(one).alive_words(), std::as_const(two).alive_words()));
+  EXPECT_TRUE(std::ranges::equal(std::as_const(one).occupancy_words(), std::as_const(two).occupancy_words()));
   for (int disc = 0; disc < one.disc_count(); ++disc) {
     for (std::size_t i = 0; i < one.pattern().point_count(); ++i) ASSERT_EQ(one.hu(disc, i), two.hu(disc, i));
   }
@@ -158,7 +158,7 @@ TEST(FillVolume, ClampsNumbersThatSixteenBitsCannotHold) {
   EXPECT_EQ(fill_with(12.6F), 13);
 }
 
-TEST(FillVolume, KillsPointsWithoutADistanceAndRejectsLivingOnesWithoutANumber) {
+TEST(FillVolume, EmptiesPointsWithoutADistanceAndRejectsOccupiedOnesWithoutANumber) {
   PointVolume volume(straight_path(0.2), {.radius_mm = 0.2, .spacing_mm = 0.1});
   constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
   const auto fill_with = [&](float distance, float number) {
@@ -168,7 +168,7 @@ TEST(FillVolume, KillsPointsWithoutADistanceAndRejectsLivingOnesWithoutANumber) 
     });
   };
   fill_with(kNoNumber, kNoNumber);
-  EXPECT_EQ(volume.alive_count(), 0U);
+  EXPECT_EQ(volume.occupied_count(), 0U);
   EXPECT_EQ(volume.hu(0, 0), 0);
   EXPECT_THROW(fill_with(-1.0F, kNoNumber), Error);
 }

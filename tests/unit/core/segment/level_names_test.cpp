@@ -37,9 +37,9 @@ const std::vector<double> kToT10{46.0, 45.0, 44.0, 43.0, 42.0, 39.0, 35.0, 32.0}
 
 std::vector<Ribs> unknown(std::size_t count) { return std::vector<Ribs>(count, Ribs::unknown); }
 
-double sum_of(const std::vector<LevelOdds>& odds) {
+double sum_of(const std::vector<LevelProbability>& probabilities) {
   double sum = 0.0;
-  for (const LevelOdds& one : odds) sum += one.probability;
+  for (const LevelProbability& one : probabilities) sum += one.probability;
   return sum;
 }
 
@@ -49,10 +49,10 @@ TEST(VotedNames, BeginAboveTheSacrum) {
   const LevelNames names = voted_names(row_of(widths, true), unknown(6));
   EXPECT_THAT(names.levels, ElementsAre(Level::kSacrum, Level::kL5, Level{23}, Level{22}, Level{21}, Level::kL1));
   // Of 802 people 30 have another lowest lumbar vertebra than L5, and some sacra are taken wrongly.
-  EXPECT_GT(names.odds[1].front().probability, 0.85);
-  EXPECT_LT(names.odds[1].front().probability, 0.97);
-  EXPECT_NEAR(sum_of(names.odds[1]), 1.0, 0.05);
-  EXPECT_THAT(names.odds[0], IsEmpty()) << "the sacrum is none of the vertebrae";
+  EXPECT_GT(names.probabilities[1].front().probability, 0.85);
+  EXPECT_LT(names.probabilities[1].front().probability, 0.97);
+  EXPECT_NEAR(sum_of(names.probabilities[1]), 1.0, 0.05);
+  EXPECT_THAT(names.probabilities[0], IsEmpty()) << "the sacrum is none of the vertebrae";
   EXPECT_THAT(names.transitional, IsEmpty());
 }
 
@@ -61,8 +61,8 @@ TEST(VotedNames, BeginAtTheLastRibs) {
   const LevelNames names = voted_names(row_of(kToT10, false), {none, none, none, none, none, both, both, both});
   EXPECT_EQ(names.levels[5], Level::kT12);
   EXPECT_EQ(names.levels[0], Level::kL5);
-  EXPECT_GT(names.odds[5].front().probability, 0.8);
-  EXPECT_THAT(in_words(names.odds[5]), HasSubstr("T12 0."));
+  EXPECT_GT(names.probabilities[5].front().probability, 0.8);
+  EXPECT_THAT(in_words(names.probabilities[5]), HasSubstr("T12 0."));
 }
 
 TEST(VotedNames, BeginAtTheFirstRibs) {
@@ -81,9 +81,9 @@ TEST(VotedNames, DoNotEndRibsAtABodyThatTheCtCuts) {
   row.chain[0].lower.is_cut = true;
   const LevelNames names = voted_names(row, {none, both, both, both, both});
   EXPECT_THAT(names.levels, testing::Each(Level::kNone));
-  const double cut = names.odds[1].front().probability;
+  const double cut = names.probabilities[1].front().probability;
   row.chain[0].lower.is_cut = false;
-  const LevelOdds whole = voted_names(row, {none, both, both, both, both}).odds[1].front();
+  const LevelProbability whole = voted_names(row, {none, both, both, both, both}).probabilities[1].front();
   EXPECT_EQ(whole.level, Level::kT12);
   EXPECT_GT(whole.probability, 2.0 * cut);
 }
@@ -104,25 +104,25 @@ TEST(VotedNames, AgreeOrTheSpineIsTransitional) {
   widths.insert(widths.begin(), 50.0);
   const LevelNames both_agree =
       voted_names(row_of(widths, true), {unknown, none, none, none, none, none, both, both, both});
-  EXPECT_GT(both_agree.odds[1].front().probability, 0.98) << "surer than by the sacrum alone";
+  EXPECT_GT(both_agree.probabilities[1].front().probability, 0.98) << "surer than by the sacrum alone";
   EXPECT_THAT(both_agree.transitional, IsEmpty());
   // Six without ribs: another number of vertebrae, or short ribs that were not seen.
   widths.insert(widths.begin() + 1, 47.0);
   const LevelNames six =
       voted_names(row_of(widths, true), {unknown, none, none, none, none, none, none, both, both, both});
-  EXPECT_LT(six.odds[1].front().probability, 0.9);
-  ASSERT_GE(six.odds[1].size(), 2U);
-  // Seven, which nobody has: what was seen is wrong somewhere, and odds say so.
+  EXPECT_LT(six.probabilities[1].front().probability, 0.9);
+  ASSERT_GE(six.probabilities[1].size(), 2U);
+  // Seven, which nobody has: what was seen is wrong somewhere, and probabilities say so.
   widths.insert(widths.begin() + 1, 47.0);
   const LevelNames seven =
       voted_names(row_of(widths, true), {unknown, none, none, none, none, none, none, none, both, both, both});
-  EXPECT_LT(seven.odds[1].front().probability, 0.9);
+  EXPECT_LT(seven.probabilities[1].front().probability, 0.9);
 }
 
 TEST(VotedNames, AreNotGivenBySizesAlone) {
   const LevelNames names = voted_names(row_of(kToT10, false), unknown(8));
   EXPECT_THAT(names.levels, testing::Each(Level::kNone));
-  EXPECT_THAT(names.odds[0], testing::Not(IsEmpty())) << "and are told as odds";
+  EXPECT_THAT(names.probabilities[0], testing::Not(IsEmpty())) << "and are told as probabilities";
   using enum Ribs;
   EXPECT_THAT(voted_names(row_of({30.0, 29.0, 28.0}, false), {both, both, both}).levels, testing::Each(Level::kNone))
       << "ribs at all levels name none";
@@ -131,7 +131,7 @@ TEST(VotedNames, AreNotGivenBySizesAlone) {
 TEST(VotedNames, OfNothingAreNone) {
   const LevelNames names = voted_names({}, {});
   EXPECT_THAT(names.levels, IsEmpty());
-  EXPECT_THAT(in_words(std::vector<LevelOdds>{}), IsEmpty());
+  EXPECT_THAT(in_words(std::vector<LevelProbability>{}), IsEmpty());
 }
 
 // Above a stretch that fits no number of bodies the sacrum names nothing.

@@ -45,11 +45,11 @@ TEST(DrillSession, CountsCyclesAndTime) {
 
 TEST(DrillSession, RemovesFeelsAndNotesContact) {
   test::DrillBlock block(even);
-  const std::size_t before = block.volumes.front().alive_count();
+  const std::size_t before = block.volumes.front().occupied_count();
   const auto session = block.session();
   std::size_t removed = 0;
   for (int n = 0; n <= 900; ++n) removed += session->step({block.at(-1.0 + 0.01 * n), true, 0.01}).step.removed;
-  EXPECT_EQ(removed, before - block.volumes.front().alive_count());
+  EXPECT_EQ(removed, before - block.volumes.front().occupied_count());
   const double mm_a_turn = 1.0 / (1250.0 / 60.0);
   const CuttingResistance resistance = resistance_of_block(block.path.bit, block.material, 600.0);
   EXPECT_NEAR(session->last().force.thrust_n, resistance.thrust_n(mm_a_turn), 0.02 * resistance.thrust_n(mm_a_turn));
@@ -184,7 +184,7 @@ TEST(DrillSession, NormalisesAxesThatAreNearlyUnit) {
     a->step({pose, true, 0.01});
     b->step({{pose.tip_mm, 1.0001 * pose.axis}, true, 0.01});
   }
-  EXPECT_EQ(exact.volumes.front().alive_count(), rough.volumes.front().alive_count());
+  EXPECT_EQ(exact.volumes.front().occupied_count(), rough.volumes.front().occupied_count());
   EXPECT_TRUE(test::events_of(*b, EventKind::invalid_pose).empty());
 }
 
@@ -192,7 +192,7 @@ TEST(DrillSession, DoesNotCutTheWayOfAJump) {
   test::DrillBlock block(even, 60.0);
   const auto session = block.session();
   session->step(block.input(-1.0));
-  const std::size_t before = block.volumes.front().alive_count();
+  const std::size_t before = block.volumes.front().occupied_count();
   // 50.5 mm forward in one cycle, then back beside: what is between stays but where the bit itself is.
   const Cycle& cycle = session->step(block.input(49.5));
   const auto jumps = test::events_of(*session, EventKind::jump);
@@ -206,13 +206,13 @@ TEST(DrillSession, DoesNotCutTheWayOfAJump) {
   slow->step(swept.input(49.5));
   EXPECT_TRUE(test::events_of(*slow, EventKind::jump).empty());
   // A bit of 60 mm stands in all of the hole: both ways end alike.
-  EXPECT_EQ(block.volumes.front().alive_count(), swept.volumes.front().alive_count());
-  EXPECT_LT(block.volumes.front().alive_count(), before);
+  EXPECT_EQ(block.volumes.front().occupied_count(), swept.volumes.front().occupied_count());
+  EXPECT_LT(block.volumes.front().occupied_count(), before);
   // Sideways out of the bone and back, at one go each: nothing is cut but what the bit holds.
-  const std::size_t holed = block.volumes.front().alive_count();
+  const std::size_t holed = block.volumes.front().occupied_count();
   const Vec3 aside = any_perpendicular(block.path.direction());
   session->step({block.at(49.5, 60.0 * aside), true, 0.001});
-  EXPECT_EQ(block.volumes.front().alive_count(), holed);
+  EXPECT_EQ(block.volumes.front().occupied_count(), holed);
   EXPECT_EQ(test::events_of(*session, EventKind::jump).size(), 2U);
   // Turning about the tip moves the base as far.
   session->step({{block.at(49.5, 60.0 * aside).tip_mm, -block.path.direction()}, true, 0.001});
@@ -223,14 +223,14 @@ TEST(DrillSession, CutsNothingWithTheSpindleOff) {
   test::DrillBlock block(even);
   const auto session = block.session();
   advance(*session, block, -1.0, 2.0);
-  const std::size_t alive = block.volumes.front().alive_count();
+  const std::size_t occupied = block.volumes.front().occupied_count();
   for (int n = 0; n <= 100; ++n) {
     const Cycle& cycle = session->step({block.at(2.0 + 0.001 * n), false, 0.001});
     EXPECT_EQ(cycle.step.removed, 0U);
     EXPECT_EQ(cycle.force.thrust_n, 0.0);
     EXPECT_EQ(cycle.force.torque_n_mm, 0.0);
   }
-  EXPECT_EQ(block.volumes.front().alive_count(), alive);
+  EXPECT_EQ(block.volumes.front().occupied_count(), occupied);
   const double most_n = session->last().force.contact_n.norm();
   EXPECT_LT(session->last().force.contact_n.dot(block.path.direction()), 0.0) << "it is pushed back out";
   auto touches = test::events_of(*session, EventKind::touch);
@@ -242,7 +242,7 @@ TEST(DrillSession, CutsNothingWithTheSpindleOff) {
   session->step({block.at(-3.0, 0.5 * aside), false, 0.001});
   const Cycle& started = session->step({block.at(-3.0, 0.5 * aside), true, 0.001});
   EXPECT_EQ(started.step.removed, 0U);
-  EXPECT_EQ(block.volumes.front().alive_count(), alive);
+  EXPECT_EQ(block.volumes.front().occupied_count(), occupied);
   EXPECT_EQ(session->last().state, DrillState::outer_cortical);
   touches = test::events_of(*session, EventKind::touch);
   ASSERT_EQ(touches.size(), 1U) << "free of the bone it touched nothing";

@@ -85,8 +85,8 @@ TEST(CurvedHole, IsTheSameForAllEnginesOfPoints) {
     ASSERT_FALSE(HasFailure()) << n;
   }
   for (std::size_t k = 1; k < volumes.size(); ++k) {
-    EXPECT_TRUE(
-        std::equal(volumes[k].alive_words().begin(), volumes[k].alive_words().end(), volumes[0].alive_words().begin()));
+    EXPECT_TRUE(std::equal(volumes[k].occupancy_words().begin(), volumes[k].occupancy_words().end(),
+                           volumes[0].occupancy_words().begin()));
   }
   // From the cylinder's begin, where the ball stands behind it, and with a tremor: the lattice is good for 1 %.
   const PathCurve curve(path);

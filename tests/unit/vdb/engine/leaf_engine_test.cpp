@@ -51,7 +51,7 @@ DrillPath path_along(const Vec3& direction, const DrillBit& bit, double length_m
   return {"test", kEntryMm, kEntryMm + length_mm * direction, bit};
 }
 
-/// Every point alive, with CT numbers that differ.
+/// Every point occupied, with CT numbers that differ.
 PointVolume block(const DrillPath& path, const PointVolumeOptions& options) {
   PointVolume volume(path, options);
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
@@ -123,7 +123,7 @@ TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
       const StepResult result = reference->step(pose);
       removed += result.removed;
       expect_same_removal(leaf->step(pose), result);
-      ASSERT_TRUE(std::ranges::equal(found.alive_words(), expected.alive_words()));
+      ASSERT_TRUE(std::ranges::equal(found.occupancy_words(), expected.occupancy_words()));
     }
   }
   EXPECT_GT(removed, kSeeds * 1'500U);
@@ -144,7 +144,7 @@ TEST(LeafEngine, RemovesByAProfileWhatItRemovesByTheShapeThatItRepeats) {
       expect_same_removal(profile->step(pose), result);
       removed += result.removed;
     }
-    EXPECT_TRUE(std::ranges::equal(of_profile.alive_words(), of_shape.alive_words()));
+    EXPECT_TRUE(std::ranges::equal(of_profile.occupancy_words(), of_shape.occupancy_words()));
   }
   EXPECT_GT(removed, 14U * 1'500U);
 }
@@ -163,7 +163,8 @@ TEST(LeafEngine, RemovesTheSameAtOneAndTwoThreads) {
           engine->step(volume.frame().to_patient(Pose{Vec3(x_mm, 0.0, 0.1 * step), Vec3::UnitZ()}));
       counts.insert(counts.end(), {result.removed, result.tested, static_cast<std::size_t>(result.removed_hu)});
     }
-    return std::pair(counts, std::vector<std::uint64_t>(volume.alive_words().begin(), volume.alive_words().end()));
+    return std::pair(counts,
+                     std::vector<std::uint64_t>(volume.occupancy_words().begin(), volume.occupancy_words().end()));
   };
   const auto one = run(1);
   EXPECT_EQ(one, run(2));
@@ -176,7 +177,7 @@ TEST(LeafEngine, ChangesNothingOnPosesThatAreNone) {
   const auto engine = make_leaf_engine(volume, bit, {});
   engine->step({Vec3::Constant(std::nan("")), Vec3::UnitZ()});
   engine->step({kEntryMm + Vec3(0, 0, 2), Vec3(0, 0, 2)});
-  EXPECT_EQ(volume.alive_count(), volume.point_count());
+  EXPECT_EQ(volume.occupied_count(), volume.point_count());
 }
 
 TEST(LeafEngine, DropsLeavesThatAreEmpty) {
@@ -204,7 +205,7 @@ TEST(LeafEngine, DropsLeavesThatAreEmpty) {
     engine.step({across.tip_mm + Vec3(0.0, y_mm, 0.0), Vec3::UnitZ()});
     engine.step({across.tip_mm + Vec3(6.0, y_mm, 0.0), Vec3::UnitZ()});
   }
-  EXPECT_EQ(volume.alive_count(), 0U);
+  EXPECT_EQ(volume.occupied_count(), 0U);
   EXPECT_EQ(leaves.cell_count(), 0U);
   EXPECT_EQ(leaves.active_voxel_count(), 0U);
   EXPECT_EQ(engine.node_count(), 0U);
@@ -220,10 +221,10 @@ TEST(LeafEngine, TestsNothingWhileTheBitStaysWhereItIs) {
   EXPECT_EQ(engine->step(pose).tested, 0U);
 }
 
-TEST(LeafEngine, WorksOnAVolumeWithoutLivingPoints) {
+TEST(LeafEngine, WorksOnAVolumeWithoutOccupiedPoints) {
   const DrillBit bit{2.0, 8.0, 2.0};
   PointVolume volume = block(path_along(Vec3::UnitZ(), bit), {.radius_mm = 1.0, .spacing_mm = 0.2});
-  for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.alive_words(disc), 0);
+  for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.occupancy_words(disc), 0);
   const auto engine = make_leaf_engine(volume, bit, {});
   EXPECT_EQ(engine->step({kEntryMm, Vec3::UnitZ()}).removed, 0U);
 }
@@ -238,11 +239,11 @@ class OverlappingVolumes : public testing::TestWithParam<DiscSubdivision> {
     for (PointVolume& volume : volumes_) pointers_.push_back(&volume);
   }
 
-  std::vector<bool> alive() const {
+  std::vector<bool> occupied() const {
     std::vector<bool> all;
     for (const PointVolume& volume : volumes_) {
       for (int disc = 0; disc < volume.disc_count(); ++disc) {
-        for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) all.push_back(volume.is_alive(disc, i));
+        for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) all.push_back(volume.is_occupied(disc, i));
       }
     }
     return all;
@@ -255,11 +256,11 @@ class OverlappingVolumes : public testing::TestWithParam<DiscSubdivision> {
 
 TEST_P(OverlappingVolumes, KeepAPointWhereNoEarlierVolumeHasOne) {
   std::size_t before = 0;
-  for (const PointVolume& volume : volumes_) before += volume.alive_count();
+  for (const PointVolume& volume : volumes_) before += volume.occupied_count();
   const std::size_t dropped = drop_shared_points(pointers_);
   EXPECT_GT(dropped, before / 10);
   EXPECT_EQ(drop_shared_points(pointers_), 0U);
-  EXPECT_EQ(volumes_[0].alive_count(), volumes_[0].point_count());
+  EXPECT_EQ(volumes_[0].occupied_count(), volumes_[0].point_count());
   // A dropped point lies within a spacing's cube of an earlier volume's point; a kept one has none nearer than half a
   // spacing, less what rows' ends stand back from it.
   std::size_t counted = 0;
@@ -280,7 +281,7 @@ TEST_P(OverlappingVolumes, KeepAPointWhereNoEarlierVolumeHasOne) {
           }
         }
         ++counted;
-        if (volume.is_alive(disc, i)) {
+        if (volume.is_occupied(disc, i)) {
           ASSERT_GE(nearest_mm, 0.5 * 0.1 * 0.5 * std::numbers::sqrt3 - 1e-9);
         } else {
           ASSERT_LE(nearest_mm, 0.1);
@@ -293,7 +294,7 @@ TEST_P(OverlappingVolumes, KeepAPointWhereNoEarlierVolumeHasOne) {
 
 TEST_P(OverlappingVolumes, LoseWhatSweptBitsHoldOfTheKeptPoints) {
   const auto engine = make_leaf_engine(pointers_, kBit, {});
-  std::vector<bool> expected = alive();
+  std::vector<bool> expected = occupied();
   const SweepProfile profile{BitProfile(kBit)};
   Pose last;
   std::size_t all_removed = 0;
@@ -326,7 +327,7 @@ TEST_P(OverlappingVolumes, LoseWhatSweptBitsHoldOfTheKeptPoints) {
     }
     const StepResult result = engine->step(pose);
     EXPECT_EQ(result.removed, removed);
-    ASSERT_EQ(alive(), expected) << "step " << step;
+    ASSERT_EQ(occupied(), expected) << "step " << step;
     last = pose;
     all_removed += removed;
   }

@@ -93,7 +93,9 @@ class PlateBruteForce {
  public:
   PlateBruteForce(const VoxelBone& bone, const DrillBit& bit, const Material& material)
       : sweep_(bit), pressures_(material), voxel_mm_(bone.voxel_mm()) {
-    bone.for_each_alive([&](const Eigen::Vector3i& at) { alive_.push_back({at, bone.centre_mm(at), bone.hu(at)}); });
+    bone.for_each_occupied([&](const Eigen::Vector3i& at) {
+      occupied_.push_back({at, bone.centre_mm(at), bone.hu(at)});
+    });
   }
   StepResult step(const Pose& pose) {
     const PlateMotion motion(sweep_, last_.value_or(pose), pose);
@@ -101,7 +103,7 @@ class PlateBruteForce {
     StepResult result;
     for (std::size_t n = 0; n < motion.piece_count(); ++n) {
       const SweptPlate swept = motion.piece(n);
-      std::erase_if(alive_, [&](const Voxel& voxel) {
+      std::erase_if(occupied_, [&](const Voxel& voxel) {
         if (!swept.contains(voxel.place_mm)) return false;
         ++result.removed;
         result.removed_hu += voxel.hu;
@@ -116,8 +118,8 @@ class PlateBruteForce {
   }
   void reset_motion() { last_.reset(); }
   bool is_same_as(const VoxelBone& bone) const {
-    return bone.alive_count() == alive_.size() &&
-           std::ranges::all_of(alive_, [&](const Voxel& voxel) { return bone.is_alive(voxel.at); });
+    return bone.occupied_count() == occupied_.size() &&
+           std::ranges::all_of(occupied_, [&](const Voxel& voxel) { return bone.is_occupied(voxel.at); });
   }
 
  private:
@@ -129,7 +131,7 @@ class PlateBruteForce {
   PlateSweep sweep_;
   PressureTable pressures_;
   double voxel_mm_;
-  std::vector<Voxel> alive_;
+  std::vector<Voxel> occupied_;
   std::optional<Pose> last_;
 };
 

@@ -35,7 +35,7 @@ PointVolume sample() {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
       volume.set_hu(disc, i, static_cast<double>((static_cast<std::size_t>(disc) * 31 + i * 7) % 2500) - 500.0);
-      if ((static_cast<std::size_t>(disc) + i) % 3 == 0) volume.set_alive(disc, i, false);
+      if ((static_cast<std::size_t>(disc) + i) % 3 == 0) volume.set_occupied(disc, i, false);
     }
   }
   return volume;
@@ -54,9 +54,9 @@ TEST_F(PointsFile, GivesBackPositionsWithinAMicronAndTheirNumbers) {
   const HuToDensity line;
   write_points(volume, kPath, file("points.vdb"), {.density = line});
   const SavedPoints saved = read_points(file("points.vdb"));
-  ASSERT_EQ(saved.positions_mm.size(), volume.alive_count());
-  ASSERT_EQ(saved.hu.size(), volume.alive_count());
-  ASSERT_EQ(saved.density_g_cm3.size(), volume.alive_count());
+  ASSERT_EQ(saved.positions_mm.size(), volume.occupied_count());
+  ASSERT_EQ(saved.hu.size(), volume.occupied_count());
+  ASSERT_EQ(saved.density_g_cm3.size(), volume.occupied_count());
   // The grid's order is its own: each point is found by the disc and index that it is nearest to.
   std::vector<bool> is_found(volume.point_count(), false);
   for (std::size_t n = 0; n < saved.positions_mm.size(); ++n) {
@@ -72,7 +72,7 @@ TEST_F(PointsFile, GivesBackPositionsWithinAMicronAndTheirNumbers) {
       }
     }
     ASSERT_LT(nearest_mm, 0.001);
-    ASSERT_TRUE(volume.is_alive(nearest_disc, nearest_index));
+    ASSERT_TRUE(volume.is_occupied(nearest_disc, nearest_index));
     ASSERT_EQ(saved.hu[n], volume.hu(nearest_disc, nearest_index));
     ASSERT_FLOAT_EQ(saved.density_g_cm3[n], static_cast<float>(line.density_g_cm3(saved.hu[n])));
     const std::size_t place = static_cast<std::size_t>(nearest_disc) * volume.pattern().point_count() + nearest_index;
@@ -101,7 +101,7 @@ TEST_F(PointsFile, IsAGridOfPointsToOtherPrograms) {
   ASSERT_EQ(in.getGrids()->size(), 1U);
   const auto grid = openvdb::gridPtrCast<openvdb::points::PointDataGrid>(in.readGrid("points"));
   ASSERT_TRUE(grid);
-  EXPECT_EQ(openvdb::points::pointCount(grid->tree()), volume.alive_count());
+  EXPECT_EQ(openvdb::points::pointCount(grid->tree()), volume.occupied_count());
   const auto leaf = grid->tree().cbeginLeaf();
   ASSERT_TRUE(leaf);
   EXPECT_TRUE(leaf->hasAttribute("P"));
@@ -125,7 +125,7 @@ TEST_F(PointsFile, HasTheSameBytesAtOneAndTwoThreads) {
 
 TEST_F(PointsFile, MayHoldNone) {
   PointVolume volume(kPath, {.radius_mm = 0.5, .spacing_mm = 0.1});
-  for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.alive_words(disc), 0);
+  for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.occupancy_words(disc), 0);
   write_points(volume, kPath, file("none.vdb"));
   EXPECT_TRUE(read_points(file("none.vdb")).positions_mm.empty());
 }

@@ -10,7 +10,7 @@
 #include "core/points/hu_byte.h"
 #include "tests/support/made_bone.h"
 #include "tests/support/release_only.h"
-#include "vdb/engine/living_voxels.h"
+#include "vdb/engine/occupied_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 
 namespace spinaltap {
@@ -44,8 +44,8 @@ class TurningBit {
   TurningBit(const DrillBit& bit, double voxel_mm)
       : bone_(even_cube(), {.voxel_mm = voxel_mm}),
         engine_(make_voxel_engine(bone_, bit, material_)),
-        living_(make_living_bone(bone_, material_)),
-        forces_(*living_, bit, material_) {}
+        occupied_(make_occupied_bone(bone_, material_)),
+        forces_(*occupied_, bit, material_) {}
 
   DrillForce step(const Pose& pose) {
     const StepResult result = engine_->step(pose);
@@ -66,7 +66,7 @@ class TurningBit {
   Material material_;
   VoxelBone bone_;
   std::unique_ptr<DrillEngine> engine_;
-  std::unique_ptr<LivingBone> living_;
+  std::unique_ptr<OccupiedBone> occupied_;
   DrillForces forces_;
 };
 

@@ -102,15 +102,15 @@ std::vector<Pose> wander_around(std::uint64_t seed, int steps, double half_mm = 
   return poses;
 }
 
-/// Every living voxel put to SweptBit: what the engine must do, without any of its haste.
+/// Every occupied voxel put to SweptBit: what the engine must do, without any of its haste.
 class BruteForce {
  public:
   BruteForce(const VoxelBone& bone, const DrillBit& bit, const Material& material)
       : profile_(BitProfile(bit)), pressures_(material), voxel_mm_(bone.voxel_mm()) {
-    bone.for_each_alive([&](const Vector3i& voxel) { alive_.push_back({voxel, bone.hu(voxel)}); });
+    bone.for_each_occupied([&](const Vector3i& voxel) { occupied_.push_back({voxel, bone.hu(voxel)}); });
     // Numbers near the tool are small, as the engine's are: at a voxel, so that they are as exact.
     Vec3 low = Vec3::Constant(1e9), high = -low;
-    for (const Voxel& one : alive_) {
+    for (const Voxel& one : occupied_) {
       const Vec3 leaf_low = (one.at.cast<double>() / 8.0).array().floor() * 8.0;
       low = low.cwiseMin(leaf_low);
       high = high.cwiseMax(leaf_low + Vec3::Constant(7.0));
@@ -130,7 +130,7 @@ class BruteForce {
     const BitMotion motion(profile_, start, target);
     for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
       const SweptBit bit = motion.piece(piece);
-      std::erase_if(alive_, [&](const Voxel& voxel) {
+      std::erase_if(occupied_, [&](const Voxel& voxel) {
         const Vec3 p = voxel_mm_ * (voxel.at - middle_).cast<double>();
         if (!bit.contains(p)) return false;
         ++result.removed;
@@ -150,8 +150,8 @@ class BruteForce {
   void reset_motion() { is_placed_ = false; }
 
   bool is_same_as(const VoxelBone& bone) const {
-    return bone.alive_count() == alive_.size() &&
-           std::ranges::all_of(alive_, [&](const Voxel& voxel) { return bone.is_alive(voxel.at); });
+    return bone.occupied_count() == occupied_.size() &&
+           std::ranges::all_of(occupied_, [&](const Voxel& voxel) { return bone.is_occupied(voxel.at); });
   }
   double moment_scale = 0.0;
 
@@ -163,7 +163,7 @@ class BruteForce {
   SweepProfile profile_;
   PressureTable pressures_;
   double voxel_mm_;
-  std::vector<Voxel> alive_;
+  std::vector<Voxel> occupied_;
   Vector3i middle_;
   Pose pose_;
   bool is_placed_ = false;
@@ -174,7 +174,7 @@ TEST(VoxelBone, HoldsWhatLiesInTheBoneAndItsNumbers) {
   for (const double voxel_mm : {0.1, 0.13, 0.5}) {
     SCOPED_TRACE(voxel_mm);
     const VoxelBone voxels(bone, {.voxel_mm = voxel_mm});
-    std::size_t alive = 0;
+    std::size_t occupied = 0;
     const Vector3i low = ((kMiddleMm - Vec3::Constant(3.0)) / voxel_mm).array().floor().matrix().cast<int>();
     const Vector3i high = ((kMiddleMm + Vec3::Constant(3.0)) / voxel_mm).array().ceil().matrix().cast<int>();
     for (int x = low.x(); x <= high.x(); ++x) {
@@ -184,24 +184,24 @@ TEST(VoxelBone, HoldsWhatLiesInTheBoneAndItsNumbers) {
           const Vec3 p = voxels.centre_mm(voxel);
           std::uint8_t is_inside = 0;
           bone.inside({&p, 1}, {&is_inside, 1});
-          ASSERT_EQ(voxels.is_alive(voxel), is_inside == 1) << voxel.transpose();
+          ASSERT_EQ(voxels.is_occupied(voxel), is_inside == 1) << voxel.transpose();
           if (is_inside == 0) continue;
-          ++alive;
+          ++occupied;
           ASSERT_EQ(voxels.hu(voxel), hu_of_byte(byte_of_hu(test::hu_at(bone, p))));
         }
       }
     }
-    EXPECT_EQ(voxels.alive_count(), alive);
-    EXPECT_GT(alive, 500U);
+    EXPECT_EQ(voxels.occupied_count(), occupied);
+    EXPECT_GT(occupied, 500U);
   }
 }
 
 TEST(VoxelBone, MeasuresABall) {
   const BoneModel bone = test::bake_ball(kBall);
   const VoxelBone voxels(bone);
-  EXPECT_NEAR(1e-3 * static_cast<double>(voxels.alive_count()), kBall.volume_mm3(), 5e-4 * kBall.volume_mm3());
+  EXPECT_NEAR(1e-3 * static_cast<double>(voxels.occupied_count()), kBall.volume_mm3(), 5e-4 * kBall.volume_mm3());
   // A byte of CT number and a bit of life, and what leaves cost that the surface cuts.
-  EXPECT_LT(voxels.memory_bytes(), 2 * voxels.alive_count());
+  EXPECT_LT(voxels.memory_bytes(), 2 * voxels.occupied_count());
 }
 
 TEST(VoxelBone, IsCutToARegion) {
@@ -209,12 +209,12 @@ TEST(VoxelBone, IsCutToARegion) {
   const Box3 region_mm(kSmallBall.centre_mm, kSmallBall.centre_mm + Vec3::Constant(20.0));
   const VoxelBone voxels(bone, {.region_mm = region_mm});
   std::size_t inside = 0;
-  VoxelBone(bone).for_each_alive([&](const Vector3i& voxel) {
+  VoxelBone(bone).for_each_occupied([&](const Vector3i& voxel) {
     const bool is_within = region_mm.contains(voxels.centre_mm(voxel));
     inside += is_within ? 1 : 0;
-    ASSERT_EQ(voxels.is_alive(voxel), is_within);
+    ASSERT_EQ(voxels.is_occupied(voxel), is_within);
   });
-  EXPECT_EQ(voxels.alive_count(), inside);
+  EXPECT_EQ(voxels.occupied_count(), inside);
 }
 
 TEST(VoxelBone, HoldsSeveralBones) {
@@ -224,14 +224,14 @@ TEST(VoxelBone, HoldsSeveralBones) {
   const VoxelBone first(bones[0], {.voxel_mm = 0.2});
   const VoxelBone second(bones[1], {.voxel_mm = 0.2});
   std::size_t in_either = 0;
-  both.for_each_alive([&](const Vector3i& voxel) {
+  both.for_each_occupied([&](const Vector3i& voxel) {
     ++in_either;
-    ASSERT_TRUE(first.is_alive(voxel) || second.is_alive(voxel));
-    ASSERT_EQ(both.hu(voxel), first.is_alive(voxel) ? first.hu(voxel) : second.hu(voxel));
+    ASSERT_TRUE(first.is_occupied(voxel) || second.is_occupied(voxel));
+    ASSERT_EQ(both.hu(voxel), first.is_occupied(voxel) ? first.hu(voxel) : second.hu(voxel));
   });
-  first.for_each_alive([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_alive(voxel)); });
-  second.for_each_alive([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_alive(voxel)); });
-  EXPECT_LT(in_either, first.alive_count() + second.alive_count());  // they overlap
+  first.for_each_occupied([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_occupied(voxel)); });
+  second.for_each_occupied([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_occupied(voxel)); });
+  EXPECT_LT(in_either, first.occupied_count() + second.occupied_count());  // they overlap
 }
 
 TEST(VoxelBone, LivesAgainAsTheOneThatItIsACopyOfAndStaysAsItIsBesideAnother) {
@@ -241,7 +241,7 @@ TEST(VoxelBone, LivesAgainAsTheOneThatItIsACopyOfAndStaysAsItIsBesideAnother) {
   const VoxelBone whole(bones, {.voxel_mm = 0.2});
   const auto words_of = [](const VoxelBone& bone) {
     std::vector<std::uint64_t> words;
-    bone.get_living_words(words);
+    bone.get_occupancy_words(words);
     return words;
   };
   VoxelBone drilled(whole);
@@ -255,14 +255,14 @@ TEST(VoxelBone, LivesAgainAsTheOneThatItIsACopyOfAndStaysAsItIsBesideAnother) {
   VoxelBone fewer(whole);
   make_voxel_engine(fewer, {1.0, 20.0, 1.0}, {})->step({Vec3(30, 0, 0), Vec3::UnitZ()});
   for (const VoxelBone* other : std::initializer_list<const VoxelBone*>{&first, &coarse, &more, &fewer}) {
-    EXPECT_THAT([&] { drilled.revive(*other); }, ThrowsMessage<Error>(HasSubstr("that they are a copy of")));
+    EXPECT_THAT([&] { drilled.restore(*other); }, ThrowsMessage<Error>(HasSubstr("that they are a copy of")));
     EXPECT_EQ(words_of(drilled), left);
   }
-  EXPECT_THAT([&] { drilled.set_living_words(words_of(first)); }, ThrowsMessage<Error>(HasSubstr("living words")));
+  EXPECT_THAT([&] { drilled.set_occupancy_words(words_of(first)); }, ThrowsMessage<Error>(HasSubstr("occupied words")));
   EXPECT_EQ(words_of(drilled), left);
-  drilled.revive(whole);
+  drilled.restore(whole);
   EXPECT_EQ(words_of(drilled), words_of(whole));
-  drilled.set_living_words(left);
+  drilled.set_occupancy_words(left);
   EXPECT_EQ(words_of(drilled), left);
 }
 
@@ -507,7 +507,7 @@ TEST(VoxelEngine, IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads) {
       results.push_back(engine->step({kBall.centre_mm + Vec3(random(-6, 6), random(-6, 6), 9.0 - 0.2 * step), axis}));
     }
     std::vector<Vector3i> left;
-    voxels.for_each_alive([&](const Vector3i& voxel) { left.push_back(voxel); });
+    voxels.for_each_occupied([&](const Vector3i& voxel) { left.push_back(voxel); });
     return std::pair(results, left);
   };
   const auto expected = run(1, {.shares_work = false}, detail::word_kernels().front());
@@ -601,8 +601,8 @@ TEST(VoxelEngine, RemovesByAProfileWhatItRemovesByTheShapeThatItRepeats) {
       ASSERT_EQ(found.work_n_mm, expected.work_n_mm);
       ASSERT_EQ(found.moment_n_mm2, expected.moment_n_mm2);
     }
-    of_shape.for_each_alive([&](const Vector3i& voxel) { ASSERT_TRUE(of_profile.is_alive(voxel)); });
-    EXPECT_EQ(of_profile.alive_count(), of_shape.alive_count());
+    of_shape.for_each_occupied([&](const Vector3i& voxel) { ASSERT_TRUE(of_profile.is_occupied(voxel)); });
+    EXPECT_EQ(of_profile.occupied_count(), of_shape.occupied_count());
   }
 }
 
@@ -638,26 +638,26 @@ TEST(VoxelEngine, MillsTheVolumeOfASteppedReamersHoleAndSlot) {
 TEST(VoxelEngine, ChangesNothingOnPosesThatAreNone) {
   const BoneModel bone = test::bake_ball(kSmallBall);
   VoxelBone voxels(bone, {.voxel_mm = 0.3});
-  const std::size_t alive = voxels.alive_count();
+  const std::size_t occupied = voxels.occupied_count();
   const auto engine = make_voxel_engine(voxels, mill(0), {});
   engine->step({Vec3::Constant(std::nan("")), Vec3::UnitZ()});
   engine->step({kSmallBall.centre_mm, Vec3(0, 0, 2)});
   engine->step({kSmallBall.centre_mm + Vec3(2e4, 0, 0), Vec3::UnitZ()});
-  EXPECT_EQ(voxels.alive_count(), alive);
+  EXPECT_EQ(voxels.occupied_count(), occupied);
   EXPECT_GT(engine->step({kSmallBall.centre_mm, Vec3::UnitZ()}).removed, 0U);
 }
 
 TEST(VoxelEngine, LeavesNothingWhereAllIsMilled) {
   const BoneModel bone = test::bake_ball(kSmallBall);
   VoxelBone voxels(bone, {.voxel_mm = 0.15});
-  const std::size_t alive = voxels.alive_count();
+  const std::size_t occupied = voxels.occupied_count();
   const auto engine = make_voxel_engine(voxels, {14.0, 20.0, 1.0}, {});
   std::size_t removed = 0;
   for (double z = -10.0; z < 20.0; z += 0.1) {
     removed += engine->step({kSmallBall.centre_mm + Vec3(0, 0, z), Vec3::UnitZ()}).removed;
   }
-  EXPECT_EQ(removed, alive);
-  EXPECT_EQ(voxels.alive_count(), 0U);
+  EXPECT_EQ(removed, occupied);
+  EXPECT_EQ(voxels.occupied_count(), 0U);
   EXPECT_EQ(engine->step({kSmallBall.centre_mm, Vec3::UnitZ()}).removed, 0U);
 }
 

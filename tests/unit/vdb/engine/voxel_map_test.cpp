@@ -1,5 +1,5 @@
 // Compiled with optimisation: long loops of its own.
-// Living voxels to look at: the map that other programs open, and the live mesh, which is cut from the swept tool and
+// Occupied voxels to look at: the map that other programs open, and the live mesh, which is cut from the swept tool and
 // knows no voxel, beside them.
 
 #include "vdb/engine/voxel_map.h"
@@ -72,24 +72,24 @@ TEST(VoxelMap, HasWhatLivesWhereItLies) {
     write_whole_file(folder.path() / name, encode_label_volume(map, name));
     const LabelVolume read =
         read_label_volume(folder.path() / name, map.geometry, {.convention = LabelConvention::any_names});
-    EXPECT_EQ(read.names.at(1).name, "living bone");
-    std::size_t alive = 0;
+    EXPECT_EQ(read.names.at(1).name, "occupied bone");
+    std::size_t occupied = 0;
     for (int k = 0; k < map.geometry.size[2]; ++k) {
       for (int j = 0; j < map.geometry.size[1]; ++j) {
         for (int i = 0; i < map.geometry.size[0]; ++i) {
           const Vec3 p_mm = map.geometry.to_patient(Vec3(i, j, k));
           const Vector3i voxel = (p_mm / 0.2).array().round().matrix().cast<int>();
-          const bool is_alive = voxels.is_alive(voxel);
-          ASSERT_EQ(read.labels[map.geometry.offset(i, j, k)] == 1, is_alive) << p_mm.transpose();
+          const bool is_occupied = voxels.is_occupied(voxel);
+          ASSERT_EQ(read.labels[map.geometry.offset(i, j, k)] == 1, is_occupied) << p_mm.transpose();
           ASSERT_LT((voxels.centre_mm(voxel) - p_mm).norm(), 1e-9);
-          alive += is_alive ? 1 : 0;
+          occupied += is_occupied ? 1 : 0;
         }
       }
     }
-    EXPECT_EQ(alive, voxels.alive_count());
+    EXPECT_EQ(occupied, voxels.occupied_count());
   }
   make_voxel_engine(voxels, {20.0, 40.0, 1.0}, {})->step({kMappedBall.centre_mm + Vec3(0, 0, 12), Vec3::UnitZ()});
-  EXPECT_EQ(voxels.alive_count(), 0U);
+  EXPECT_EQ(voxels.occupied_count(), 0U);
   EXPECT_THAT([&] { voxel_map(voxels); }, ThrowsMessage<Error>(HasSubstr("found none")));
 }
 
@@ -103,11 +103,12 @@ TEST(VoxelMap, AgreesWithTheLiveMeshWithinAVoxelOfItEverywhere) {
   const VoxelBone& voxels = *session.voxels();
   const double voxel_mm = voxels.voxel_mm();
   constexpr double kDisplayVoxelMm = 0.2;  // RemainingBoneOptions
-  // Living voxels with a dead one beside them: the surface passes between the two.
+  // Occupied voxels with a dead one beside them: the surface passes between the two.
   std::vector<Vec3> outermost_mm;
-  voxels.for_each_alive([&](const Vector3i& voxel) {
+  voxels.for_each_occupied([&](const Vector3i& voxel) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (voxels.is_alive(voxel + Vector3i::Unit(axis)) && voxels.is_alive(voxel - Vector3i::Unit(axis))) continue;
+      if (voxels.is_occupied(voxel + Vector3i::Unit(axis)) && voxels.is_occupied(voxel - Vector3i::Unit(axis)))
+        continue;
       outermost_mm.push_back(voxels.centre_mm(voxel));
       break;
     }

@@ -79,14 +79,14 @@ TEST(Bone, HoldsAScrewInsideItAsTheClosedFormSays) {
   path.screw = PedicleScrew{"", 6.0, 12.0, 3.0};
   path.screw->thread = ScrewThread{.core_diameter_mm = 4.0, .pitch_mm = 2.5, .crest_mm = 0.25, .flank_deg = 0.0};
   const HuToDensity calibration{.at_0_hu = 0.1, .per_hu = 0.0005};
-  const ScrewHold hold = screw_hold(bone, path, calibration);
+  const ScrewFixation fixation = screw_fixation(bone, path, calibration);
   const double pi = std::acos(-1.0), share = std::pow(0.3 / 1.9, 1.7);  // 0.3 g/cm3
   const double pullout_n = 51.6 * share * 9.0 * pi * 6.0 * (0.5 + 0.57735 * 1.0 / 2.5);
-  EXPECT_NEAR(hold.pullout_n.median, pullout_n, 0.02 * pullout_n);
+  EXPECT_NEAR(fixation.pullout_n.median, pullout_n, 0.02 * pullout_n);
   const double flanks_mm2 = 2.0 * 2.0 * pi / 3.0 * (27.0 - 8.0) / 2.5, core_mm2 = 2.0 * pi * 4.0 * 0.9;
   const double turn_mm3 = 0.25 * 2.0 * pi * 2.5 + pi * (4.0 - 2.25) * 2.5;
   const double torque_n_mm = 117.3 * share * (0.3 * 9.0 * (flanks_mm2 + core_mm2) + turn_mm3 / (2.0 * pi));
-  EXPECT_NEAR(hold.max_torque_n_mm.median, torque_n_mm, 0.02 * torque_n_mm);
+  EXPECT_NEAR(fixation.max_torque_n_mm.median, torque_n_mm, 0.02 * torque_n_mm);
 }
 
 TEST(Bone, ComesBackFromAFileTheSameWithItsWarnings) {

@@ -207,7 +207,7 @@ TEST(DrillBone, CutsTheHoleOfATremblingOperatorOutOfTheGrid) {
     for (std::size_t n = 0; n < volume.pattern().point_count(); ++n) {
       const Vec3 p_mm = volume.frame().to_patient(volume.point_in_path_mm(disc, n));
       const bool was_bone = kLargeBall.distance_mm(p_mm) < 0.0;
-      if (was_bone && !volume.is_alive(disc, n)) points_mm3 += std::numbers::pi / 3.0 * 1e-3;
+      if (was_bone && !volume.is_occupied(disc, n)) points_mm3 += std::numbers::pi / 3.0 * 1e-3;
     }
   }
   const double grid_mm3 =

@@ -11,7 +11,7 @@
 #include "core/session/operator/path_motion.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/release_only.h"
-#include "vdb/engine/living_voxels.h"
+#include "vdb/engine/occupied_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/drilling.h"
 #include "vdb/sim/session.h"
@@ -45,8 +45,8 @@ Sawing saw(const DrillBit& bit, const Spindle& spindle, double step_mm, bool asi
   const Material material;
   VoxelBone bone(sawn_ball().model());
   const auto engine = make_voxel_engine(bone, bit, material);
-  const auto living = make_living_bone(bone, material);
-  DrillForces forces(*living, bit, material);
+  const auto occupied = make_occupied_bone(bone, material);
+  DrillForces forces(*occupied, bit, material);
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
   const Vec3 side = any_perpendicular(axis);
   const Vec3 across = axis.cross(side);
@@ -129,7 +129,7 @@ TEST(PlateSessions, CutTheirKerfWithOperatorsThatSayNoSide) {
   ASSERT_TRUE(headwards.left.voxels);
   const Vec3 deep_mm = setup.path.entry_mm + 8.0 * setup.path.direction();
   const auto lives_at = [](const Drilling& drilling, const Vec3& p_mm) {
-    return drilling.left.voxels->is_alive((p_mm / 0.1).array().round().matrix().cast<int>());
+    return drilling.left.voxels->is_occupied((p_mm / 0.1).array().round().matrix().cast<int>());
   };
   // Its width lies headwards, as nearly as the path lets it: there bone is gone 2.8 mm off the path, and 2.8 mm across
   // that it lives.

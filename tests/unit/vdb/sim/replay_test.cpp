@@ -20,7 +20,7 @@ namespace {
 using test::kBall;
 using testing::HasSubstr;
 
-/// A session in a cylinder of even bone, every point alive.
+/// A session in a cylinder of even bone, every point occupied.
 struct Block {
   DrillPath path{"block", Vec3(3.0, -4.0, 5.0), Vec3(6.0, 0.0, 5.0), DrillBit{2.0, 20.0, 2.0}};
   std::vector<PointVolume> volumes;

@@ -82,8 +82,8 @@ TEST(Session, DrillsEarlierHolesToTheSamePoints) {
     SessionSetup again = whole;
     again.holes = {drilled_hole(inputs, whole.path.bit, whole.options.max_jump_mm)};
     const BuiltSession next = build_session(ball(), again);
-    EXPECT_LT(built.bone.alive_count(), build_session(ball(), whole).bone.alive_count());
-    EXPECT_EQ(next.bone.alive_count(), built.bone.alive_count());
+    EXPECT_LT(built.bone.occupied_count(), build_session(ball(), whole).bone.occupied_count());
+    EXPECT_EQ(next.bone.occupied_count(), built.bone.occupied_count());
   }
 }
 

@@ -130,7 +130,7 @@ TEST(Session, StepsAllocateNothingAndMemoryStaysAtAnyLength) {
     const Vec3 slow_mm(5.0 * std::sin(0.31 * time_s), 4.0 * std::cos(0.17 * time_s), 4.0 * std::sin(0.05 * time_s));
     return ToolInput{{kSessionBall.centre_mm + slow_mm + tremor.at_mm(time_s), -Vec3::UnitZ()}, true, 0.001};
   };
-  const std::size_t alive = session.voxels()->alive_count();
+  const std::size_t occupied = session.voxels()->occupied_count();
   const std::size_t memory_bytes = test::resident_bytes(), allocations = test::allocation_count();
   for (std::size_t n = 0; n < kCycles; ++n) session.step_input(input(n));
   EXPECT_EQ(test::allocation_count(), allocations);
@@ -139,18 +139,18 @@ TEST(Session, StepsAllocateNothingAndMemoryStaysAtAnyLength) {
 #endif
   EXPECT_GT(session.motion_off_mm(), 0.0);
   EXPECT_LT(session.motion_off_mm(), 0.01);
-  const std::size_t left = session.voxels()->alive_count();
-  EXPECT_LT(left, alive);
+  const std::size_t left = session.voxels()->occupied_count();
+  EXPECT_LT(left, occupied);
 
   // The hole that is kept takes the same voxels, but for those that its ways pass by less than they are off.
   session.end_hole();
-  EXPECT_NEAR(static_cast<double>(session.voxels()->alive_count()), static_cast<double>(left),
-              0.002 * static_cast<double>(alive - left));
+  EXPECT_NEAR(static_cast<double>(session.voxels()->occupied_count()), static_cast<double>(left),
+              0.002 * static_cast<double>(occupied - left));
   EXPECT_EQ(session.motion_off_mm(), 0.0);
   session.run(std::vector{input(0), input(1)});
   EXPECT_TRUE(session.undo());
   EXPECT_TRUE(session.undo());
-  EXPECT_EQ(session.voxels()->alive_count(), alive);
+  EXPECT_EQ(session.voxels()->occupied_count(), occupied);
 }
 
 TEST(Session, RejectsAPathThatMissesTheBone) {

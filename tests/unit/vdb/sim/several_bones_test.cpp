@@ -25,7 +25,7 @@
 namespace spinaltap {
 namespace {
 
-using test::living_words;
+using test::occupancy_words;
 using test::section_of_voxels;
 using test::voxel_setup;
 using testing::HasSubstr;
@@ -87,7 +87,7 @@ TEST(SeveralBones, AreDrilledThroughWithTheThrustOfEach) {
   // Each is written with its own hole: what is left of it is its ball without the cylinder.
   ASSERT_EQ(drilling.further_drilled.size(), 1U);
   const auto hole_of = [](const BoneModel& drilled, const test::Ball& ball) {
-    return ball.volume_mm3() - 1e-3 * static_cast<double>(VoxelBone(drilled).alive_count());
+    return ball.volume_mm3() - 1e-3 * static_cast<double>(VoxelBone(drilled).occupied_count());
   };
   for (const auto& [drilled, ball] :
        {std::pair{&drilling.drilled, &kNearBall}, std::pair{&drilling.further_drilled[0], &kFarBall}}) {
@@ -143,7 +143,7 @@ TEST(SeveralBones, ComeBackWithUndoAndReplayBitForBit) {
   }
   Session session(near_and_far(), setup.path, setup);
   EXPECT_EQ(session.setup().further_bone_hashes, std::vector{near_and_far()[1].hash()});
-  const std::vector<std::uint64_t> whole = living_words(session);
+  const std::vector<std::uint64_t> whole = occupancy_words(session);
   const std::size_t blocks[2] = {session.surface_changes(0).size(), session.surface_changes(1).size()};
   session.run(inputs);
   EXPECT_GT(session.surface_changes(0).size(), 0U);
@@ -169,7 +169,7 @@ TEST(SeveralBones, ComeBackWithUndoAndReplayBitForBit) {
   EXPECT_EQ(seen(0.0), Seen::bit);
 
   EXPECT_TRUE(session.undo());
-  EXPECT_EQ(living_words(session), whole);
+  EXPECT_EQ(occupancy_words(session), whole);
   drilled = session.drilled_bones();
   for (std::size_t n = 0; n < 2; ++n) EXPECT_EQ(drilled[n].hash(), near_and_far()[n].hash());
   session.record(folder.path() / "both.h5");

@@ -82,9 +82,9 @@ inline SessionSetup slot_setup(std::optional<double> margin_mm) {
   return setup;
 }
 
-inline std::vector<std::uint64_t> living_words(const Session& session) {
+inline std::vector<std::uint64_t> occupancy_words(const Session& session) {
   std::vector<std::uint64_t> words;
-  session.voxels()->get_living_words(words);
+  session.voxels()->get_occupancy_words(words);
   return words;
 }
 

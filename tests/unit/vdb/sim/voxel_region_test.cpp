@@ -15,7 +15,7 @@
 #include "core/files/recorded_setup.h"
 #include "core/session/record/session_record.h"
 #include "tests/unit/vdb/sim/voxel_ball.h"
-#include "vdb/engine/living_voxels.h"
+#include "vdb/engine/occupied_voxels.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/drilled_bone.h"
 #include "vdb/sim/replay.h"
@@ -46,7 +46,7 @@ TEST(VoxelRegion, ThatHoldsAllOfTheToolsWayMakesNoDifference) {
   const SessionSetup whole = slot_setup({}), part = slot_setup(6.5);
   const std::vector<ToolInput> inputs = slot_of(whole.path, 4.0);
   BuiltSession all = build_session(voxel_ball(), whole), again = build_session(voxel_ball(), part);
-  EXPECT_GT(all.bone.alive_count(), again.bone.alive_count());
+  EXPECT_GT(all.bone.occupied_count(), again.bone.occupied_count());
   std::size_t removed = 0;
   for (const ToolInput& input : inputs) {
     const Cycle &expected = all.session->step(input), &cycle = again.session->step(input);
@@ -70,12 +70,12 @@ TEST(VoxelRegion, ThatHoldsAllOfTheToolsWayMakesNoDifference) {
   }
   // What is left within the region is the same as well, voxel by voxel.
   std::size_t within = 0;
-  all.bone.voxels->for_each_alive([&](const Eigen::Vector3i& voxel) {
+  all.bone.voxels->for_each_occupied([&](const Eigen::Vector3i& voxel) {
     if (!part.region_mm->contains(all.bone.voxels->centre_mm(voxel))) return;
     ++within;
-    EXPECT_TRUE(again.bone.voxels->is_alive(voxel));
+    EXPECT_TRUE(again.bone.voxels->is_occupied(voxel));
   });
-  EXPECT_EQ(within, again.bone.voxels->alive_count());
+  EXPECT_EQ(within, again.bone.voxels->occupied_count());
 }
 
 TEST(VoxelRegion, SaysWhereTheToolLeavesIt) {
@@ -111,7 +111,7 @@ TEST(VoxelRegion, TakesMemoryByItsVolume) {
     setup.region_mm =
         Box3(kVoxelBall.centre_mm - Vec3::Constant(half_mm), kVoxelBall.centre_mm + Vec3::Constant(half_mm));
     const DrilledBone part(voxel_ball().model(), setup);
-    EXPECT_NEAR(1e-3 * static_cast<double>(part.alive_count()), std::pow(2.0 * half_mm, 3),
+    EXPECT_NEAR(1e-3 * static_cast<double>(part.occupied_count()), std::pow(2.0 * half_mm, 3),
                 0.07 * std::pow(2.0 * half_mm, 3));
     const double share = static_cast<double>(part.memory_bytes()) / static_cast<double>(whole_bytes);
     EXPECT_LT(share, 1.1 * std::pow(2.0 * (half_mm + 0.8), 3) / ball_mm3) << half_mm;
@@ -156,8 +156,8 @@ TEST(VoxelSessions, OnlyARegionHasAnEnd) {
   const VoxelBone whole(voxel_ball().model(), {.voxel_mm = 0.3});
   const Box3 box_mm(kVoxelBall.centre_mm - Vec3::Constant(4.0), kVoxelBall.centre_mm + Vec3::Constant(4.0));
   const VoxelBone part(voxel_ball().model(), {.voxel_mm = 0.3, .region_mm = box_mm});
-  const auto all = make_living_bone(whole, {});
-  const auto some = make_living_bone(part, {});
+  const auto all = make_occupied_bone(whole, {});
+  const auto some = make_occupied_bone(part, {});
   const BitProfile bit({2.0, 20.0, 2.0});
   const Vec3& middle_mm = kVoxelBall.centre_mm;
   const Pose pose{middle_mm + Vec3(0.0, 3.5, 0.0), Vec3::UnitZ()};

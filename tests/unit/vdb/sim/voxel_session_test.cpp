@@ -84,7 +84,7 @@ TEST(VoxelSessions, RemoveTheVolumeOfTheHole) {
   EXPECT_NEAR(1e-3 * static_cast<double>(drilling.points_in_bone), 4.0 / 3.0 * std::numbers::pi * std::pow(9.0, 3),
               0.005 * 4.0 / 3.0 * std::numbers::pi * std::pow(9.0, 3));
   ASSERT_TRUE(drilling.left.voxels);
-  EXPECT_EQ(drilling.left.voxels->alive_count() + drilling.removed, drilling.points_in_bone);
+  EXPECT_EQ(drilling.left.voxels->occupied_count() + drilling.removed, drilling.points_in_bone);
   EXPECT_EQ(drilling.discs, 0);
   // The cone's tip holds a voxel's volume, and with luck a voxel, from 0.15 mm on.
   EXPECT_NEAR(drilling.entry_depth_mm, 0.15, 0.1);
@@ -98,8 +98,8 @@ TEST(VoxelSessions, ForcesOfABurrThatGoesSidewaysDoTheWorkOfWhatItCuts) {
   VoxelBone bone(voxel_ball().model());
   const DrillBit burr{4.0, 40.0, 1.0, BitShape::round_burr, 0.0, 2.0};
   const auto engine = make_voxel_engine(bone, burr, material);
-  const auto living = make_living_bone(bone, material);
-  DrillForces forces(*living, burr, material);
+  const auto occupied = make_occupied_bone(bone, material);
+  DrillForces forces(*occupied, burr, material);
   const Spindle spindle{10'000.0, true};
   constexpr double kStepMm = 0.02, kStepS = 1e-3;
   double torque_work = 0.0, removed_mm3 = 0.0, removed_n_mm = 0.0;

@@ -24,7 +24,7 @@ namespace {
 
 using test::kEvenHu;
 using test::kVoxelBall;
-using test::living_words;
+using test::occupancy_words;
 using test::path_through;
 using test::slot_of;
 using test::slot_setup;
@@ -50,7 +50,7 @@ std::vector<ToolInput> trembling_slot(const DrillPath& path, double aside_mm, st
 struct VoxelHole {
   std::vector<RecordedCycle> rows;
   std::vector<std::size_t> event_cycles;
-  std::vector<std::uint64_t> living;
+  std::vector<std::uint64_t> occupied;
   std::map<std::array<int, 3>, SurfaceBlock> shown;
   std::string drilled;
   bool operator==(const VoxelHole&) const = default;
@@ -60,7 +60,7 @@ VoxelHole run_hole(Session& session, const std::vector<ToolInput>& inputs,
   VoxelHole hole;
   hole.rows = session.run(inputs);
   for (const SessionEvent& event : session.events()) hole.event_cycles.push_back(event.cycle);
-  hole.living = living_words(session);
+  hole.occupied = occupancy_words(session);
   for (const SurfaceUpdate& update : session.surface_changes()) {
     shown.erase(update.block);
     if (update.surface) shown.emplace(update.block, *update.surface);
@@ -84,24 +84,24 @@ TEST(VoxelUndo, LeavesNoTraceOfWhatWasTakenBack) {
     std::map<std::array<int, 3>, SurfaceBlock> shown, shown_again;
     Session plain(voxel_ball(), setup.path, setup), undone(voxel_ball(), setup.path, setup);
     const VoxelHole one = run_hole(plain, first, shown);
-    const std::vector<std::uint64_t> whole = living_words(undone);
-    EXPECT_NE(one.living, whole);
+    const std::vector<std::uint64_t> whole = occupancy_words(undone);
+    EXPECT_NE(one.occupied, whole);
 
     // What was drilled so far.
     run_hole(undone, taken_back, shown_again);
     EXPECT_TRUE(undone.undo());
-    EXPECT_EQ(living_words(undone), whole);
+    EXPECT_EQ(occupancy_words(undone), whole);
     EXPECT_TRUE(run_hole(undone, first, shown_again) == one);
     // A hole that is done, and half of one behind it.
     plain.end_hole();
     undone.end_hole();
-    EXPECT_EQ(living_words(undone), one.living);
+    EXPECT_EQ(occupancy_words(undone), one.occupied);
     run_hole(undone, taken_back, shown_again);
     undone.end_hole();
     run_hole(undone, second, shown_again);
     EXPECT_TRUE(undone.undo());
     EXPECT_TRUE(undone.undo());
-    EXPECT_EQ(living_words(undone), one.living);
+    EXPECT_EQ(occupancy_words(undone), one.occupied);
     EXPECT_EQ(undone.setup().holes.size(), 1U);
     const VoxelHole two = run_hole(plain, second, shown);
     EXPECT_TRUE(run_hole(undone, second, shown_again) == two);
@@ -109,7 +109,7 @@ TEST(VoxelUndo, LeavesNoTraceOfWhatWasTakenBack) {
     // All of it.
     EXPECT_TRUE(undone.undo());
     EXPECT_TRUE(undone.undo());
-    EXPECT_EQ(living_words(undone), whole);
+    EXPECT_EQ(occupancy_words(undone), whole);
     EXPECT_FALSE(undone.undo());
     EXPECT_EQ(undone.drilled().hash(), voxel_ball().hash());
   }
@@ -120,12 +120,12 @@ TEST(VoxelUndo, TakesBackHolesThatWereThereWhenTheSessionBegan) {
   SessionSetup with_hole = setup;
   with_hole.holes = {hole_of(trembling_slot(setup.path, 4.0, 1), setup)};
   Session plain(voxel_ball(), setup.path, setup), begun(voxel_ball(), setup.path, with_hole);
-  EXPECT_NE(living_words(begun), living_words(plain));
+  EXPECT_NE(occupancy_words(begun), occupancy_words(plain));
   begun.run(trembling_slot(setup.path, -3.0, 2));
   begun.end_hole();
   EXPECT_TRUE(begun.undo());
   EXPECT_TRUE(begun.undo());
-  EXPECT_EQ(living_words(begun), living_words(plain));
+  EXPECT_EQ(occupancy_words(begun), occupancy_words(plain));
   EXPECT_FALSE(begun.undo());
   const std::vector<ToolInput> inputs = trembling_slot(setup.path, 2.0, 3);
   EXPECT_EQ(begun.run(inputs), plain.run(inputs));
@@ -157,10 +157,10 @@ TEST(VoxelUndo, AHoleThatLeavesNoBoneIsNotEnded) {
     inputs.push_back({{setup.path.entry_mm + 0.1 * n * setup.path.direction(), setup.path.direction()}, true, 1e-3});
   }
   const std::vector<RecordedCycle> rows = session.run(inputs);
-  EXPECT_EQ(session.voxels()->alive_count(), 0U);
+  EXPECT_EQ(session.voxels()->occupied_count(), 0U);
   EXPECT_THAT([&] { session.end_hole(); }, ThrowsMessage<Error>(HasSubstr("all is drilled away")));
   EXPECT_EQ(session.last().index, 160U);
-  EXPECT_EQ(session.voxels()->alive_count(), 0U);
+  EXPECT_EQ(session.voxels()->occupied_count(), 0U);
   EXPECT_TRUE(session.undo());
   EXPECT_EQ(session.run(inputs), rows);
 }

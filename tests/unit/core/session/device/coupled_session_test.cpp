@@ -48,7 +48,7 @@ CoupledOptions weak_coupled_device() {
 struct CoupledRun {
   std::vector<ToolInput> inputs;
   std::vector<RecordedCycle> rows;
-  std::size_t alive = 0;
+  std::size_t occupied = 0;
 };
 
 TEST(CoupledSession, IsFeltAsTheLawHasIt) {
@@ -114,7 +114,7 @@ CoupledRun run_coupled_block(test::DrillBlock& block, const LoopbackOptions& loo
     run.inputs.push_back(cycle.input);
     run.rows.push_back(recorded(cycle));
   });
-  run.alive = block.volumes.front().alive_count();
+  run.occupied = block.volumes.front().occupied_count();
   return run;
 }
 
@@ -156,8 +156,8 @@ TEST(CoupledSession, ReplaysForcesPosesAndBoneBitForBit) {
     was_lost = was_lost || row.device.status == DeviceStatus::lost;
   }
   EXPECT_TRUE(was_lost);
-  EXPECT_EQ(again.volumes.front().alive_count(), run.alive);
-  EXPECT_LT(run.alive, coupled_even_block().volumes.front().alive_count());
+  EXPECT_EQ(again.volumes.front().occupied_count(), run.occupied);
+  EXPECT_LT(run.occupied, coupled_even_block().volumes.front().occupied_count());
 }
 
 TEST(CoupledSession, ToldThatItsDeviceWasLost) {
@@ -212,10 +212,10 @@ TEST(CoupledSession, HoldsNoToolUnlessAsked) {
     const ToolInput input = block.input(0.01 * n);
     const DrillForce &of = plain->step(input).force, &with = coupled->step(input).force;
     ASSERT_EQ(of.thrust_n, with.thrust_n) << n;
-    for (const double number : of.hold.stiffness) ASSERT_EQ(number, 0.0);
+    for (const double number : of.contact.stiffness) ASSERT_EQ(number, 0.0);
   }
   using Mat6 = Eigen::Matrix<double, 6, 6>;
-  const Mat6 hold(coupled->last().force.hold.stiffness.data());
+  const Mat6 hold(coupled->last().force.contact.stiffness.data());
   EXPECT_TRUE(hold.isApprox(hold.transpose(), 1e-12));
   const Eigen::SelfAdjointEigenSolver<Mat6> modes(hold);
   EXPECT_GT(modes.eigenvalues().minCoeff(), -1e-9 * modes.eigenvalues().maxCoeff());
@@ -232,7 +232,7 @@ TEST(CoupledSession, HoldsNoToolUnlessAsked) {
   const double left = 1.0 / (1.0 + 1250.0 / 60.0 * 0.001);
   EXPECT_NEAR(-force.support_n.dot(aside), left * 0.005 * stiff_n_mm, 0.05 * 0.005 * stiff_n_mm);
   const Vec3 moment = -hold.bottomLeftCorner<3, 3>() * push_mm;
-  EXPECT_NEAR((force.hold.moment_n_mm - left * moment).norm(), 0.0, 0.05 * moment.norm());
+  EXPECT_NEAR((force.contact.moment_n_mm - left * moment).norm(), 0.0, 0.05 * moment.norm());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/uncertainty/placement_odds.h"
+#include "core/uncertainty/placement_probabilities.h"
 
 #include <tbb/parallel_for.h>
 
@@ -12,10 +12,10 @@
 namespace spinaltap {
 namespace {
 
-void check_odds_options(const OddsOptions& options) {
+void check_probability_options(const ProbabilityOptions& options) {
   constexpr int kMax = 1 << 24;
   if (options.draws < 1 || options.draws > kMax) {
-    fail("odds of grades: expected 1 to ", kMax, " draws, found ", options.draws);
+    fail("probabilities of grades: expected 1 to ", kMax, " draws, found ", options.draws);
   }
 }
 
@@ -37,21 +37,21 @@ Probability probability_of(std::size_t met, std::size_t draws) {
 
 }  // namespace
 
-GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
-                     const OddsOptions& options, const Progress& progress) {
+GradeProbabilities grade_probabilities(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
+                                       const ProbabilityOptions& options, const Progress& progress) {
   check_errors(errors);
   check_path(path);
   check_turns(path.bit, "errors of placement");
   breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
-  return grade_odds(
+  return grade_probabilities(
       walls, [&](std::uint32_t index) { return erred_path(path, frame, draw_error(errors, options.seed, index)); },
       options, progress);
 }
 
-GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const OddsOptions& options,
-                     const Progress& progress) {
-  check_odds_options(options);
+GradeProbabilities grade_probabilities(const WallDistance& walls, const ErredPath& erred,
+                                       const ProbabilityOptions& options, const Progress& progress) {
+  check_probability_options(options);
   const BreachField field(walls, options.grade);
   const auto draws = static_cast<std::size_t>(options.draws);
   std::vector<double> breaches_mm(draws);
@@ -64,9 +64,9 @@ GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const Od
     counter.add();
   });
 
-  GradeOdds odds;
-  odds.draws = options.draws;
-  odds.seed = options.seed;
+  GradeProbabilities probabilities;
+  probabilities.draws = options.draws;
+  probabilities.seed = options.seed;
   std::array<std::size_t, 5> met{};
   std::size_t canal = 0;
   double sum_mm = 0.0;
@@ -75,13 +75,13 @@ GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const Od
     canal += into_canal[n];
     sum_mm += breaches_mm[n];
   }
-  for (std::size_t n = 0; n < met.size(); ++n) odds.grades[n] = probability_of(met[n], draws);
-  odds.acceptable = probability_of(met[0] + met[1], draws);
-  odds.canal = probability_of(canal, draws);
-  odds.mean_breach_mm = sum_mm / static_cast<double>(draws);
+  for (std::size_t n = 0; n < met.size(); ++n) probabilities.grades[n] = probability_of(met[n], draws);
+  probabilities.acceptable = probability_of(met[0] + met[1], draws);
+  probabilities.canal = probability_of(canal, draws);
+  probabilities.mean_breach_mm = sum_mm / static_cast<double>(draws);
   std::sort(breaches_mm.begin(), breaches_mm.end());
-  odds.p95_breach_mm = quantile(breaches_mm, 0.95);
-  return odds;
+  probabilities.p95_breach_mm = quantile(breaches_mm, 0.95);
+  return probabilities;
 }
 
 BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const BreachMapOptions& options,

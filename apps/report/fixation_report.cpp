@@ -1,4 +1,4 @@
-#include "apps/report/hold_report.h"
+#include "apps/report/fixation_report.h"
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ constexpr double kTorquePlotHeight = 230.0;
 
 }  // namespace
 
-std::string banded_text(const HoldFigure& figure) {
+std::string banded_text(const FixationFigure& figure) {
   // As many digits as the band leaves sense in.
   const auto rounded = [](double value) {
     if (!(value > 0.0)) return std::string("0");
@@ -21,15 +21,15 @@ std::string banded_text(const HoldFigure& figure) {
   return rounded(figure.median) + " (" + rounded(figure.p05) + " to " + rounded(figure.p95) + ")";
 }
 
-std::vector<ReportRow> hold_rows(const ScrewHold& hold) {
-  return {{"Pull-out strength (5 to 95 %)", banded_text(hold.pullout_n), "N"},
-          {"Of it by cortex", readable_number(100.0 * hold.cortical_share, 0), "%"},
-          {"Axial stiffness, at most", banded_text(hold.stiffness_n_mm), "N/mm"},
-          {"Max insertion torque (5 to 95 %)", banded_text(hold.max_torque_n_mm), "N·mm"},
-          {"Thread in bone", readable_number(hold.engaged_mm, 1), "mm"}};
+std::vector<ReportRow> fixation_rows(const ScrewFixation& fixation) {
+  return {{"Pull-out strength (5 to 95 %)", banded_text(fixation.pullout_n), "N"},
+          {"Of it by cortex", readable_number(100.0 * fixation.cortical_share, 0), "%"},
+          {"Axial stiffness, at most", banded_text(fixation.stiffness_n_mm), "N/mm"},
+          {"Max insertion torque (5 to 95 %)", banded_text(fixation.max_torque_n_mm), "N·mm"},
+          {"Thread in bone", readable_number(fixation.engaged_mm, 1), "mm"}};
 }
 
-Plot insertion_torque_plot(const ScrewHold& hold) {
+Plot insertion_torque_plot(const ScrewFixation& fixation) {
   Plot plot;
   plot.title = "Insertion torque of the screw";
   plot.x_label = "depth of the tip along the path";
@@ -37,16 +37,16 @@ Plot insertion_torque_plot(const ScrewHold& hold) {
   plot.y_label = "torque";
   plot.y_unit = "N·mm";
   plot.x_low = 0.0;
-  plot.x_high = hold.rows.back().depth_mm;
+  plot.x_high = fixation.rows.back().depth_mm;
   plot.y_from_zero = true;
   plot.height = kTorquePlotHeight;
   PlotSeries median{"median", {}, {}};
   PlotBand band{"5 to 95 %", {}, {}, {}};
   // The bounds are a factor that is the same all along.
-  const HoldFigure& max = hold.max_torque_n_mm;
+  const FixationFigure& max = fixation.max_torque_n_mm;
   const double down = max.median > 0.0 ? max.p05 / max.median : 1.0;
   const double up = max.median > 0.0 ? max.p95 / max.median : 1.0;
-  for (const HoldRow& row : hold.rows) {
+  for (const FixationRow& row : fixation.rows) {
     median.x.push_back(row.depth_mm);
     median.y.push_back(row.torque_n_mm);
     band.x.push_back(row.depth_mm);

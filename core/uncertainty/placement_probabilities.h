@@ -13,7 +13,7 @@
 
 namespace spinaltap {
 
-struct OddsOptions {
+struct ProbabilityOptions {
   int draws = 1024;         ///< of a scrambled Sobol sequence, which is evenest in whole powers of two
   std::uint64_t seed = 1;   ///< of its scrambling
   GradeOptions grade = {};  ///< step and ring points are used
@@ -27,7 +27,7 @@ struct Probability {
 };
 
 /// How likely each grade is where screws err as a model says.
-struct GradeOdds {
+struct GradeProbabilities {
   std::array<Probability, 5> grades;  ///< A to E, Gertzbein-Robbins
   Probability acceptable;             ///< A or B
   Probability canal;                  ///< any breach into the canal
@@ -39,14 +39,14 @@ struct GradeOdds {
 
 /// Grades `draws` erred paths by their breach. Bit for bit the same at any thread count. Throws Error on errors, paths
 /// and options that make no sense.
-GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
-                     const OddsOptions& options = {}, const Progress& progress = {});
+GradeProbabilities grade_probabilities(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
+                                       const ProbabilityOptions& options = {}, const Progress& progress = {});
 
 /// Where a screw ends on draw `index`: the same whatever thread asks.
 using ErredPath = std::function<DrillPath(std::uint32_t index)>;
-/// The same of paths that err in whatever way: registered_odds() has another.
-GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const OddsOptions& options = {},
-                     const Progress& progress = {});
+/// The same of paths that err in whatever way: registered_probabilities() has another.
+GradeProbabilities grade_probabilities(const WallDistance& walls, const ErredPath& erred,
+                                       const ProbabilityOptions& options = {}, const Progress& progress = {});
 
 struct BreachMapOptions {
   double max_shift_mm = 5.0, shift_step_mm = 0.5;

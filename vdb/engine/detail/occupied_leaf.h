@@ -14,15 +14,15 @@
 namespace spinaltap::detail {
 
 /// 8 x 8 x 8 voxels of a VoxelBone that an engine takes from.
-struct LivingLeaf {
-  std::uint64_t* words = nullptr;  ///< of living bits, one for each x
+struct OccupiedLeaf {
+  std::uint64_t* words = nullptr;  ///< of occupied bits, one for each x
   const std::uint8_t* hu = nullptr;
   std::array<std::int32_t, 3> origin{};  ///< voxels from the engine's middle
-  std::uint32_t alive = 0;
+  std::uint32_t occupied = 0;
 };
 
 /// Which voxel a bit of a leaf's 512 is, in voxels from the engine's middle.
-inline Vec3 voxel_of(const LivingLeaf& leaf, std::size_t bit) noexcept {
+inline Vec3 voxel_of(const OccupiedLeaf& leaf, std::size_t bit) noexcept {
   const auto at = static_cast<std::int32_t>(bit);
   return Eigen::Vector3i(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8).cast<double>();
 }
@@ -75,11 +75,11 @@ class VoxelSums {
   }
 
   /// Voxels `dead` of word x of a leaf die; they must live.
-  void kill(LivingLeaf& leaf, unsigned x, std::uint64_t dead, Removal& removal) const noexcept {
+  void kill(OccupiedLeaf& leaf, unsigned x, std::uint64_t dead, Removal& removal) const noexcept {
     if (dead == 0) return;
     leaf.words[x] &= ~dead;
     const auto count = static_cast<std::uint32_t>(std::popcount(dead));
-    leaf.alive -= count;
+    leaf.occupied -= count;
     removal.removed += count;
     removal.parts += count;
     std::int64_t bytes = 0, pressure = 0, along_y = 0, along_z = 0;

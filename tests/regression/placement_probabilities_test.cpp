@@ -11,7 +11,7 @@
 
 #include "core/anatomy/landmarks.h"
 #include "core/files/placement_errors_file.h"
-#include "core/uncertainty/placement_odds.h"
+#include "core/uncertainty/placement_probabilities.h"
 #include "tests/support/planning_bones.h"
 #include "tests/support/test_kind.h"
 
@@ -41,9 +41,9 @@ std::array<double, 5> simulated(const WallDistance& walls, const DrillPath& plan
   return shares;
 }
 
-WHOLE_RUNS("PlacementOddsOfThePhantom.*");
+WHOLE_RUNS("PlacementProbabilitiesOfThePhantom.*");
 
-TEST(PlacementOddsOfThePhantom, HoldTheSharesOf20000SimulationsInTheirIntervals) {
+TEST(PlacementProbabilitiesOfThePhantom, HoldTheSharesOf20000SimulationsInTheirIntervals) {
   const test::PhantomBone phantom;
   const WallDistance walls(phantom.bone, phantom.landmarks);
   for (const char* model : {"robot_726", "freehand_experienced"}) {
@@ -51,10 +51,10 @@ TEST(PlacementOddsOfThePhantom, HoldTheSharesOf20000SimulationsInTheirIntervals)
     for (const PedicleLandmarks& pedicle : {phantom.landmarks.left_pedicle, phantom.landmarks.right_pedicle}) {
       DrillPath plan{"", pedicle.isthmus_mm - 18.0 * pedicle.axis, pedicle.isthmus_mm + 27.0 * pedicle.axis, {}};
       plan.screw = PedicleScrew();
-      const GradeOdds odds = grade_odds(walls, plan, errors, {.grade = {.step_mm = 1.0}});
+      const GradeProbabilities probabilities = grade_probabilities(walls, plan, errors, {.grade = {.step_mm = 1.0}});
       const std::array<double, 5> shares = simulated(walls, plan, errors);
       for (std::size_t n = 0; n < shares.size(); ++n) {
-        const Probability& predicted = odds.grades[n];
+        const Probability& predicted = probabilities.grades[n];
         std::printf("%s, %c: predicted %.2f %% (%.2f to %.2f), simulated %.2f %%\n", model,
                     letter_of(static_cast<Grade>(n)), 100.0 * predicted.share, 100.0 * predicted.interval.low,
                     100.0 * predicted.interval.high, 100.0 * shares[n]);

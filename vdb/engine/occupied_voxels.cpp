@@ -1,4 +1,4 @@
-#include "vdb/engine/living_voxels.h"
+#include "vdb/engine/occupied_voxels.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 
@@ -20,21 +20,21 @@ using VoxelReader = openvdb::tree::ValueAccessor3<const detail::VoxelTree, false
 
 constexpr double kNowhereMm = -std::numeric_limits<double>::infinity();
 
-class LivingVoxels final : public LivingBone {
+class OccupiedVoxels final : public OccupiedBone {
  public:
-  LivingVoxels(const VoxelBone& bone, const Material& material)
+  OccupiedVoxels(const VoxelBone& bone, const Material& material)
       : bone_(bone),
         per_mm_(1.0 / bone.voxel_mm()),
         bones_(material, {hu_of_byte(0), hu_of_byte(255)}),
         reader_(bone.leaves().tree) {}
 
   const PathFrame& frame() const override { return frame_; }
-  bool has_living() const override { return bone_.alive_count() > 0; }
+  bool has_occupied() const override { return bone_.occupied_count() > 0; }
   double widest_spacing_mm() const override { return bone_.voxel_mm(); }
   double spacing_mm(const Vec3& /*p*/) const noexcept override { return bone_.voxel_mm(); }
   const PointVolume* discs_at(double /*z_mm*/) const noexcept override { return nullptr; }
 
-  const Bone* living_at(const Vec3& p) const noexcept override {
+  const Bone* occupied_at(const Vec3& p) const noexcept override {
     const Vec3 at = (per_mm_ * p).array() + 0.5;
     return is_near(at) ? bone_at(corner_of(at)) : nullptr;
   }
@@ -117,8 +117,8 @@ class LivingVoxels final : public LivingBone {
 
 }  // namespace
 
-std::unique_ptr<LivingBone> make_living_bone(const VoxelBone& bone, const Material& material) {
-  return std::make_unique<LivingVoxels>(bone, material);
+std::unique_ptr<OccupiedBone> make_occupied_bone(const VoxelBone& bone, const Material& material) {
+  return std::make_unique<OccupiedVoxels>(bone, material);
 }
 
 }  // namespace spinaltap

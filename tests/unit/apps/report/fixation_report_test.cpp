@@ -1,4 +1,4 @@
-#include "apps/report/hold_report.h"
+#include "apps/report/fixation_report.h"
 
 #include <gtest/gtest.h>
 
@@ -7,30 +7,30 @@
 namespace spinaltap {
 namespace {
 
-ScrewHold made_hold() {
-  ScrewHold hold;
-  hold.pullout_n = {853.2, 443.9, 1643.0};
-  hold.stiffness_n_mm = {9876.0, 5000.0, 20000.0};
-  hold.max_torque_n_mm = {1200.0, 600.0, 2400.0};
-  hold.cortical_share = 0.25;
-  hold.engaged_mm = 38.5;
-  hold.rows = {{0.0, 0.0, 1.0}, {20.0, 700.0, 2.0}, {40.0, 1200.0, 1.5}};
-  return hold;
+ScrewFixation made_fixation() {
+  ScrewFixation fixation;
+  fixation.pullout_n = {853.2, 443.9, 1643.0};
+  fixation.stiffness_n_mm = {9876.0, 5000.0, 20000.0};
+  fixation.max_torque_n_mm = {1200.0, 600.0, 2400.0};
+  fixation.cortical_share = 0.25;
+  fixation.engaged_mm = 38.5;
+  fixation.rows = {{0.0, 0.0, 1.0}, {20.0, 700.0, 2.0}, {40.0, 1200.0, 1.5}};
+  return fixation;
 }
 
-TEST(HoldReport, FiguresHaveTwoDigitsAndTheirBand) {
+TEST(FixationReport, FiguresHaveTwoDigitsAndTheirBand) {
   EXPECT_EQ(banded_text({853.2, 443.9, 1643.0}), "850 (440 to 1,600)");
   EXPECT_EQ(banded_text({5.0, 0.0, 12.4}), "5.00 (0 to 12)");
   EXPECT_EQ(banded_text({}), "0 (0 to 0)");
-  const std::vector<ReportRow> rows = hold_rows(made_hold());
+  const std::vector<ReportRow> rows = fixation_rows(made_fixation());
   ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows[0].value, "850 (440 to 1,600)");
   EXPECT_EQ(rows[1].value, "25");
   EXPECT_EQ(rows[4].value, "38.5");
 }
 
-TEST(HoldReport, PlotShowsTheTorqueWithItsBand) {
-  const Plot plot = insertion_torque_plot(made_hold());
+TEST(FixationReport, PlotShowsTheTorqueWithItsBand) {
+  const Plot plot = insertion_torque_plot(made_fixation());
   ASSERT_EQ(plot.series.size(), 1u);
   EXPECT_EQ(plot.series[0].y, (std::vector<double>{0.0, 700.0, 1200.0}));
   ASSERT_EQ(plot.bands.size(), 1u);
@@ -39,10 +39,10 @@ TEST(HoldReport, PlotShowsTheTorqueWithItsBand) {
   EXPECT_NE(svg_plot(plot).find("Insertion torque"), std::string::npos);
 }
 
-TEST(HoldReport, PlotOfAScrewThatHoldsNothingIsFlat) {
-  ScrewHold none = made_hold();
+TEST(FixationReport, PlotOfAScrewThatHoldsNothingIsFlat) {
+  ScrewFixation none = made_fixation();
   none.max_torque_n_mm = {};
-  for (HoldRow& row : none.rows) row.torque_n_mm = 0.0;
+  for (FixationRow& row : none.rows) row.torque_n_mm = 0.0;
   const Plot plot = insertion_torque_plot(none);
   EXPECT_EQ(plot.bands[0].high, (std::vector<double>{0.0, 0.0, 0.0}));
 }

@@ -18,7 +18,7 @@ struct DensityPowerLaw {
 };
 
 /// What holds a screw, and how well that is known. docs/screws.md has the sources and what was weighed.
-struct HoldModel {
+struct FixationModel {
   /// Shear strength. Human cortical bone along its axis, pure shear: 51.6 MPa (Turner, Wang & Burr 2001), at 1.9
   /// g/cm³; exponent of human trabecular bone of four sites (Sanyal et al. 2012).
   DensityPowerLaw shear{51.6, 1.9, 1.7};
@@ -40,30 +40,30 @@ struct HoldModel {
 };
 
 /// Rejects values that are not finite or make no sense.
-void check_hold_model(const HoldModel& model);
+void check_fixation_model(const FixationModel& model);
 
 /// A figure with the bounds that it keeps to in 90 of 100 cases.
-struct HoldFigure {
+struct FixationFigure {
   double median = 0.0;
   double p05 = 0.0;
   double p95 = 0.0;
 };
 
 /// A screw on its way in, with its tip at a depth.
-struct HoldRow {
+struct FixationRow {
   double depth_mm = 0.0;     ///< from the entry
   double torque_n_mm = 0.0;  ///< that drives it on
   double shear_mpa = 0.0;    ///< mean shear strength of the bone around the thread's outer diameter here
 };
 
-/// How well a screw holds: screw_hold().
-struct ScrewHold {
-  HoldFigure pullout_n;         ///< axial force that shears the bone off the thread
-  HoldFigure stiffness_n_mm;    ///< axial, of the elastic bone around a rigid screw that grips all over: never more
-  HoldFigure max_torque_n_mm;   ///< the largest insertion torque on the way
-  double cortical_share = 0.0;  ///< of the pull-out strength, by bone of HoldModel::cortical_g_cm3 and more
-  double engaged_mm = 0.0;      ///< length of thread with bone on one side of it or more
-  std::vector<HoldRow> rows;    ///< from the entry to the target, half a millimetre apart or a little less
+/// How well a screw holds: screw_fixation().
+struct ScrewFixation {
+  FixationFigure pullout_n;        ///< axial force that shears the bone off the thread
+  FixationFigure stiffness_n_mm;   ///< axial, of the elastic bone around a rigid screw that grips all over: never more
+  FixationFigure max_torque_n_mm;  ///< the largest insertion torque on the way
+  double cortical_share = 0.0;     ///< of the pull-out strength, by bone of FixationModel::cortical_g_cm3 and more
+  double engaged_mm = 0.0;         ///< length of thread with bone on one side of it or more
+  std::vector<FixationRow> rows;   ///< from the entry to the target, half a millimetre apart or a little less
 };
 
 /// How well a path's screw holds once its tip is at the target, in the hole that the path's bit drilled, and what
@@ -77,6 +77,6 @@ struct ScrewHold {
 /// tip counts for nothing.
 ///
 /// Throws Error on a path without a screw, a curved one, a bad path or model, and without a sampler.
-ScrewHold screw_hold(const DrillPath& path, const DensitySampler& density, const HoldModel& model = {});
+ScrewFixation screw_fixation(const DrillPath& path, const DensitySampler& density, const FixationModel& model = {});
 
 }  // namespace spinaltap

@@ -1,4 +1,4 @@
-#include "core/registration/registered_odds.h"
+#include "core/registration/registered_probabilities.h"
 
 #include <algorithm>
 
@@ -20,7 +20,7 @@ void check_registration(const PoseCovariance& registration, const DrillPath& pat
   const double worst_mm =
       std::max(target_error_mm(registration, path.entry_mm), target_error_mm(registration, path.target_mm));
   if (!(worst_mm <= kFurthestMm)) {
-    fail("odds of grades: expected a registration that errs by up to ", kFurthestMm, " mm at the path, found ",
+    fail("probabilities of grades: expected a registration that errs by up to ", kFurthestMm, " mm at the path, found ",
          worst_mm, " mm");
   }
 }
@@ -45,15 +45,16 @@ DrillPath misregistered(const DrillPath& path, const PoseError& error, const Vec
   return moved;
 }
 
-GradeOdds registered_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
-                          const PoseCovariance& registration, const OddsOptions& options, const Progress& progress) {
+GradeProbabilities registered_probabilities(const WallDistance& walls, const DrillPath& path,
+                                            const PlacementErrors& errors, const PoseCovariance& registration,
+                                            const ProbabilityOptions& options, const Progress& progress) {
   check_errors(errors);
   check_path(path);
   check_turns(path.bit, "errors of placement");
   check_registration(registration, path);
   breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
-  return grade_odds(
+  return grade_probabilities(
       walls,
       [&](std::uint32_t index) {
         const DrillPath erred = erred_path(path, frame, draw_error(errors, options.seed, index));

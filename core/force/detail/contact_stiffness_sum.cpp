@@ -1,10 +1,11 @@
-#include "core/force/detail/hold_sum.h"
+#include "core/force/detail/contact_stiffness_sum.h"
 
 #include <Eigen/Geometry>
 
 namespace spinaltap {
 
-void HoldSum::add(const Vec3& from_tip_mm, const Vec3& direction, double stiff_n_mm, double push_n) noexcept {
+void ContactStiffnessSum::add(const Vec3& from_tip_mm, const Vec3& direction, double stiff_n_mm,
+                              double push_n) noexcept {
   const Vec3 lever = from_tip_mm.cross(direction);
   moment_n_mm_ += push_n * lever;
   const Vec3 stiff = stiff_n_mm * direction;
@@ -13,7 +14,7 @@ void HoldSum::add(const Vec3& from_tip_mm, const Vec3& direction, double stiff_n
   turns_ += stiff_n_mm * lever * lever.transpose();
 }
 
-ContactStiffness HoldSum::in_patient(const PathFrame& frame, double factor) const noexcept {
+ContactStiffness ContactStiffnessSum::in_patient(const PathFrame& frame, double factor) const noexcept {
   Mat3 turn;
   for (Eigen::Index n = 0; n < 3; ++n) turn.col(n) = frame.to_patient(Pose{Vec3::Zero(), Vec3::Unit(n)}).axis;
   ContactStiffness hold;

@@ -12,9 +12,9 @@ namespace spinaltap {
 
 class PointVolume;
 
-/// The living bone that a tool works in, as forces and sessions ask of it, whatever it is kept in. Places are in its
+/// The occupied bone that a tool works in, as forces and sessions ask of it, whatever it is kept in. Places are in its
 /// own frame() where not said otherwise.
-class LivingBone {
+class OccupiedBone {
  public:
   /// What a material makes of the bone at a place.
   struct Bone {
@@ -46,20 +46,20 @@ class LivingBone {
     }
   };
 
-  LivingBone() = default;
-  LivingBone(const LivingBone&) = delete;
-  LivingBone& operator=(const LivingBone&) = delete;
-  virtual ~LivingBone() = default;
+  OccupiedBone() = default;
+  OccupiedBone(const OccupiedBone&) = delete;
+  OccupiedBone& operator=(const OccupiedBone&) = delete;
+  virtual ~OccupiedBone() = default;
 
   virtual const PathFrame& frame() const = 0;
-  virtual bool has_living() const = 0;
+  virtual bool has_occupied() const = 0;
   /// Between neighbours, where they are widest apart.
   virtual double widest_spacing_mm() const = 0;
   /// Between neighbours at a place.
   virtual double spacing_mm(const Vec3& p) const noexcept = 0;
 
   /// What the bone nearest to `p` is made of; null where it is dead or none is known.
-  virtual const Bone* living_at(const Vec3& p) const noexcept = 0;
+  virtual const Bone* occupied_at(const Vec3& p) const noexcept = 0;
   /// Adds the bone just ahead of a place that goes along `axis`, as smooth as the bone is.
   virtual void add_ahead_of(const Vec3& p, const Vec3& axis, double share, Mean& mean) const noexcept = 0;
   /// The volume whose discs lie across z there; null where bone is not kept in discs.

@@ -1,8 +1,8 @@
-#include "core/points/living_bone.h"
+#include "core/points/occupied_bone.h"
 
 namespace spinaltap {
 
-LivingBone::Table::Table(const Material& material, std::pair<int, int> hu_range) : lowest_hu_(hu_range.first) {
+OccupiedBone::Table::Table(const Material& material, std::pair<int, int> hu_range) : lowest_hu_(hu_range.first) {
   check_material(material);
   for (int hu = hu_range.first; hu <= hu_range.second; ++hu) {
     bones_.push_back(

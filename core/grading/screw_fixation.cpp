@@ -1,4 +1,4 @@
-#include "core/grading/screw_hold.h"
+#include "core/grading/screw_fixation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +89,7 @@ struct BoneAround {
 };
 
 BoneAround bone_around(const DrillPath& path, const SeatedThread& thread, const DensitySampler& density,
-                       const HoldModel& model) {
+                       const FixationModel& model) {
   const double length_mm = path.length_mm();
   const auto slices = static_cast<std::size_t>(std::ceil(length_mm / kSliceMm));
   BoneAround bone;
@@ -160,7 +160,7 @@ double torque_n_mm(const SeatedThread& thread, const BoneAround& bone, double ti
   return friction * rubbing_n_mm + thread.forming_mm3() * met_mpa_mm / thread.tip_mm();
 }
 
-HoldFigure figure_of(double median, std::initializer_list<double> spreads) {
+FixationFigure figure_of(double median, std::initializer_list<double> spreads) {
   constexpr double kOneSided95 = 1.6448536269514722;
   double variance = 0.0;
   for (const double spread : spreads) variance += spread * spread;
@@ -174,9 +174,9 @@ double DensityPowerLaw::mpa(double density_g_cm3) const {
   return density_g_cm3 > 0.0 ? at_reference_mpa * std::pow(density_g_cm3 / reference_g_cm3, exponent) : 0.0;
 }
 
-void check_hold_model(const HoldModel& model) {
+void check_fixation_model(const FixationModel& model) {
   const auto within = [](double value, double lowest, double highest, const char* what) {
-    check_range(value, lowest, highest, "screw's hold", what);
+    check_range(value, lowest, highest, "screw's fixation", what);
   };
   for (const DensityPowerLaw& law : {model.shear, model.crushing, model.modulus}) {
     within(law.at_reference_mpa, 1e-6, 1e6, "a strength or modulus (MPa)");
@@ -192,16 +192,16 @@ void check_hold_model(const HoldModel& model) {
   }
 }
 
-ScrewHold screw_hold(const DrillPath& path, const DensitySampler& density, const HoldModel& model) {
+ScrewFixation screw_fixation(const DrillPath& path, const DensitySampler& density, const FixationModel& model) {
   check_path(path);
-  check_hold_model(model);
+  check_fixation_model(model);
   if (!path.screw) fail("path ", in_quotes(path.name), ": expected a screw, whose hold is asked for, found none");
-  if (!density) fail("screw's hold: expected a sampler of densities");
+  if (!density) fail("screw's fixation: expected a sampler of densities");
   const SeatedThread thread(*path.screw, path.bit.diameter_mm);
   const BoneAround bone = bone_around(path, thread, density, model);
   const double length_mm = path.length_mm();
 
-  ScrewHold hold;
+  ScrewFixation fixation;
   double pullout_n = 0.0, cortical_n = 0.0, shear_modulus_n = 0.0;
   for (std::size_t slice = 0; slice < bone.shear_mpa.size(); ++slice) {
     const Filled part = filled(slice, bone.slice_mm, length_mm, thread.tip_mm());
@@ -209,29 +209,29 @@ ScrewHold screw_hold(const DrillPath& path, const DensitySampler& density, const
     pullout_n += area_mm2 * bone.shear_mpa[slice];
     cortical_n += area_mm2 * bone.cortical_mpa[slice];
     if (!(area_mm2 > 0.0) || bone.has_bone[slice] == 0) continue;
-    hold.engaged_mm += part.length_mm;
+    fixation.engaged_mm += part.length_mm;
     shear_modulus_n += part.length_mm * bone.modulus_mpa[slice] / (2.0 * (1.0 + model.poisson));
   }
-  hold.pullout_n =
+  fixation.pullout_n =
       figure_of(pullout_n, {model.density_spread * model.shear.exponent, model.strength_spread, model.model_spread});
-  hold.cortical_share = pullout_n > 0.0 ? cortical_n / pullout_n : 0.0;
+  fixation.cortical_share = pullout_n > 0.0 ? cortical_n / pullout_n : 0.0;
 
   // Beyond this radius the bone stands still; a short screw is not thinner than its surroundings.
-  const double still_mm = std::max(2.5 * hold.engaged_mm * (1.0 - model.poisson), 2.0 * thread.radius_mm());
-  hold.stiffness_n_mm = figure_of(2.0 * kPi * shear_modulus_n / std::log(still_mm / thread.radius_mm()),
-                                  {model.density_spread * model.modulus.exponent, model.modulus_spread});
+  const double still_mm = std::max(2.5 * fixation.engaged_mm * (1.0 - model.poisson), 2.0 * thread.radius_mm());
+  fixation.stiffness_n_mm = figure_of(2.0 * kPi * shear_modulus_n / std::log(still_mm / thread.radius_mm()),
+                                      {model.density_spread * model.modulus.exponent, model.modulus_spread});
 
   double max_n_mm = 0.0;
   for (std::size_t n = 0; n <= bone.shear_mpa.size(); ++n) {
     const std::size_t slice = std::min(n, bone.shear_mpa.size() - 1);
-    HoldRow row{static_cast<double>(n) * bone.slice_mm, 0.0, bone.shear_mpa[slice]};
+    FixationRow row{static_cast<double>(n) * bone.slice_mm, 0.0, bone.shear_mpa[slice]};
     row.torque_n_mm = torque_n_mm(thread, bone, row.depth_mm, model.friction);
     max_n_mm = std::max(max_n_mm, row.torque_n_mm);
-    hold.rows.push_back(row);
+    fixation.rows.push_back(row);
   }
-  hold.max_torque_n_mm = figure_of(max_n_mm, {model.density_spread * model.crushing.exponent, model.strength_spread,
-                                              model.friction_spread, model.model_spread});
-  return hold;
+  fixation.max_torque_n_mm = figure_of(max_n_mm, {model.density_spread * model.crushing.exponent, model.strength_spread,
+                                                  model.friction_spread, model.model_spread});
+  return fixation;
 }
 
 }  // namespace spinaltap

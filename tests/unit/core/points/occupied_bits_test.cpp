@@ -1,4 +1,4 @@
-#include "core/points/living_bits.h"
+#include "core/points/occupied_bits.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kLivingSeed = 64;
+constexpr std::uint64_t kOccupancySeed = 64;
 constexpr std::size_t kBits = 64 * 5;
 
 std::vector<std::uint64_t> random_words(test::Draw& draw) {
@@ -42,9 +42,9 @@ std::pair<std::size_t, std::size_t> random_range(test::Draw& draw) {
   return {a, b};
 }
 
-TEST(LivingBits, AreVisitedAsAPlainLoopWouldBothWays) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
-  test::Draw draw(kLivingSeed);
+TEST(OccupiedBits, AreVisitedAsAPlainLoopWouldBothWays) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOccupancySeed);
+  test::Draw draw(kOccupancySeed);
   for (int n = 0; n < 20'000; ++n) {
     const std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);
@@ -63,9 +63,9 @@ TEST(LivingBits, AreVisitedAsAPlainLoopWouldBothWays) {
   }
 }
 
-TEST(LivingBits, EndTheVisitWhenToldTo) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
-  test::Draw draw(kLivingSeed + 1);
+TEST(OccupiedBits, EndTheVisitWhenToldTo) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOccupancySeed);
+  test::Draw draw(kOccupancySeed + 1);
   for (int n = 0; n < 5'000; ++n) {
     const std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);
@@ -80,9 +80,9 @@ TEST(LivingBits, EndTheVisitWhenToldTo) {
   }
 }
 
-TEST(LivingBits, MayBeClearedWhileTheyAreVisited) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
-  test::Draw draw(kLivingSeed + 2);
+TEST(OccupiedBits, MayBeClearedWhileTheyAreVisited) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOccupancySeed);
+  test::Draw draw(kOccupancySeed + 2);
   for (int n = 0; n < 5'000; ++n) {
     std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);

@@ -6,7 +6,7 @@
 namespace spinaltap {
 
 /// Sums up places that hold a tool, in the bone's coordinates.
-class HoldSum {
+class ContactStiffnessSum {
  public:
   /// A place `from_tip_mm` of the tip that pushes the tool along `direction` (unit) by `push_n`, and by so much more
   /// for each mm that the tool goes against it.
