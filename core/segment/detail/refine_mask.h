@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -20,13 +21,14 @@ struct BinnedVertebra {
   const std::array<int, 3>& bins;
 };
 
-/// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Somewhat under the
-/// half that a wide edge would have, since thin plates do not reach their full CT number; the share is the one that
-/// gives meshes of real vertebrae their volume back.
-inline float min_share_of_peak(float peak_hu) {
-  constexpr float kShare = 0.45F;
+/// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Somewhat over the
+/// half that a wide edge would have: a wall thinner than the blur has its own edge nearer to its peak. Less in voxels
+/// thicker than that, which dilute the peak itself. `voxel_mm`: the CT's largest spacing.
+inline float min_share_of_peak(float peak_hu, double voxel_mm) {
+  constexpr double kShare = 0.65, kShareInThick = 0.5, kThinMm = 1.6, kThickMm = 3.0;
   constexpr float kMaxPeakHu = 1200.0F;  // metal is no measure
-  return kShare * (peak_hu < kMaxPeakHu ? peak_hu : kMaxPeakHu);
+  const double thick = std::clamp((voxel_mm - kThinMm) / (kThickMm - kThinMm), 0.0, 1.0);
+  return static_cast<float>(kShare + thick * (kShareInThick - kShare)) * std::min(peak_hu, kMaxPeakHu);
 }
 
 /// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.
