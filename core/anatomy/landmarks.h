@@ -27,6 +27,21 @@ struct EndplateLandmarks {
   Vec3 normal = Vec3::UnitZ();  ///< unit, out of the body
 };
 
+/// Parts of a vertebra, as an instrument meets them.
+enum class VertebraPart {
+  body,
+  pedicle,
+  lamina,
+  spinous_process,
+  transverse_process,
+  superior_articular_process,
+  superior_joint,  ///< the joint surface of the superior articular process
+  inferior_articular_process,
+  other_vertebra  ///< a neighbour's, whatever its part
+};
+/// "superior articular process".
+const char* name_of(VertebraPart part);
+
 /// What was found on a lumbar or thoracic vertebra. Patient LPS, mm.
 struct Landmarks {
   /// The vertebra's own frame: columns are its left, its back and its top (unit, right-handed), as patient LPS.

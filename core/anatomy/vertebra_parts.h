@@ -2,27 +2,12 @@
 
 #include <array>
 
+#include "core/anatomy/landmarks.h"
 #include "core/base/geometry.h"
 
 namespace spinaltap {
 
 class BoneShape;
-struct Landmarks;
-
-/// Parts of a vertebra, as an instrument meets them.
-enum class VertebraPart {
-  body,
-  pedicle,
-  lamina,
-  spinous_process,
-  transverse_process,
-  superior_articular_process,
-  superior_joint,  ///< the joint surface of the superior articular process
-  inferior_articular_process,
-  other_vertebra  ///< a neighbour's, whatever its part
-};
-/// "superior articular process".
-const char* name_of(VertebraPart part);
 
 /// Names places of a vertebra's surface by where they lie in its own frame. The borders between its parts are
 /// conventions: a few millimetres to either side a person may say otherwise. The joint surfaces are known to about 2

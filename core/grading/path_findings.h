@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/anatomy/vertebra_parts.h"
+#include "core/anatomy/landmarks.h"
 #include "core/base/geometry.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/level.h"

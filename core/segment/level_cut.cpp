@@ -153,7 +153,7 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
 
 Brightness brightness_of(float hu, float peak_hu, double voxel_mm) {
   constexpr float kMetalHu = 2500.0F, kCementHu = 900.0F;
-  if (hu < min_share_of_peak(peak_hu, voxel_mm)) return Brightness::kDim;
+  if (hu < edge_hu(peak_hu, voxel_mm)) return Brightness::kDim;
   return hu < kCementHu ? Brightness::kBone : hu < kMetalHu ? Brightness::kCement : Brightness::kMetal;
 }
 

@@ -71,7 +71,7 @@ class BoneFromFile(unittest.TestCase):
 
     def test_tells_how_a_screw_holds(self):
         path = made_bone.bone().suggest()[0].path
-        fixation = made_bone.bone().grade(path).hold
+        fixation = made_bone.bone().grade(path).fixation
         self.assertLess(fixation.p05_pullout_n, fixation.pullout_n)
         self.assertLess(fixation.pullout_n, fixation.p95_pullout_n)
         self.assertEqual(len(fixation.depth_mm), len(fixation.torque_n_mm))

@@ -354,7 +354,7 @@ class Session(unittest.TestCase):
         thread = threading.Thread(target=lambda: session.run(many))
         thread.start()
         rejected = False
-        while thread.is_occupied() and not rejected:
+        while thread.is_alive() and not rejected:
             try:
                 session.step(many[0, :3], many[0, 3:])
             except spinaltap.Error as error:

@@ -57,8 +57,8 @@ RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const 
         const std::size_t coarse = binned.geometry.offset(bin(i, 0), bin(j, 1), bin(k, 2));
         const std::size_t voxel = hu.geometry.offset(i, j, k);
         const bool is_deep = binned.mine[coarse] != 0 && to_outside[coarse] > one_bin;
-        const bool is_bone = hu.values[voxel] >= std::max(static_cast<float>(levels.low_hu),
-                                                          min_share_of_peak(binned.peak_hu[coarse], voxel_mm));
+        const bool is_bone =
+            hu.values[voxel] >= std::max(static_cast<float>(levels.low_hu), edge_hu(binned.peak_hu[coarse], voxel_mm));
         const bool is_near = to_mine[coarse] <= one_bin && to_mine[coarse] < to_other[coarse];
         const bool in_body = binned.mine[coarse] != 0 && binned.depth_mm[coarse] > kSureDepthMm;
         deep[voxel] = is_deep ? 1 : 0;

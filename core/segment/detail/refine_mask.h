@@ -21,14 +21,16 @@ struct BinnedVertebra {
   const std::array<int, 3>& bins;
 };
 
-/// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Somewhat over the
-/// half that a wide edge would have: a wall thinner than the blur has its own edge nearer to its peak. Less in voxels
-/// thicker than that, which dilute the peak itself. `voxel_mm`: the CT's largest spacing.
-inline float min_share_of_peak(float peak_hu, double voxel_mm) {
-  constexpr double kShare = 0.65, kShareInThick = 0.5, kThinMm = 1.6, kThickMm = 3.0;
-  constexpr float kMaxPeakHu = 1200.0F;  // metal is no measure
-  const double thick = std::clamp((voxel_mm - kThinMm) / (kThickMm - kThinMm), 0.0, 1.0);
-  return static_cast<float>(kShare + thick * (kShareInThick - kShare)) * std::min(peak_hu, kMaxPeakHu);
+/// The edge of a bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Of a wall that reaches
+/// the full CT number of cortex that is half of its peak. A wall thinner than the blur does not reach it, and its edge
+/// lies the nearer to its peak the lower that is: twice as wide a wall would have its half there. Less so in voxels
+/// thicker than any wall, which dilute the peak itself. `voxel_mm`: the CT's largest spacing.
+inline float edge_hu(float peak_hu, double voxel_mm) {
+  constexpr double kCortexHu = 1200.0;  // more is no measure: metal
+  constexpr double kThinMm = 1.6, kThickMm = 3.0;
+  const double peak = std::min<double>(peak_hu, kCortexHu);
+  const double thin = std::clamp((kThickMm - voxel_mm) / (kThickMm - kThinMm), 0.0, 1.0);
+  return static_cast<float>((0.5 + 0.3 * thin * (1.0 - peak / kCortexHu)) * peak);
 }
 
 /// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.
