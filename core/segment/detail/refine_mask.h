@@ -22,15 +22,17 @@ struct BinnedVertebra {
 };
 
 /// The edge of a bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Of a wall that reaches
-/// the full CT number of cortex that is half of its peak. A wall thinner than the blur does not reach it, and its edge
-/// lies the nearer to its peak the lower that is: twice as wide a wall would have its half there. Less so in voxels
-/// thicker than any wall, which dilute the peak itself. `voxel_mm`: the CT's largest spacing.
+/// the full CT number of cortex somewhat under half of its peak, which gives meshes of real vertebrae their volume
+/// back. A wall thinner than the blur does not reach it, and its edge lies the nearer to its peak the lower that is;
+/// not so in voxels finer than walls, which show them as they are, and less in thick ones, which dilute the peak
+/// itself. `voxel_mm`: the CT's largest spacing.
 inline float edge_hu(float peak_hu, double voxel_mm) {
   constexpr double kCortexHu = 1200.0;  // more is no measure: metal
-  constexpr double kThinMm = 1.6, kThickMm = 3.0;
+  constexpr double kFineMm = 0.8, kCoarseMm = 1.0, kThinMm = 1.6, kThickMm = 2.5;
   const double peak = std::min<double>(peak_hu, kCortexHu);
-  const double thin = std::clamp((kThickMm - voxel_mm) / (kThickMm - kThinMm), 0.0, 1.0);
-  return static_cast<float>((0.5 + 0.3 * thin * (1.0 - peak / kCortexHu)) * peak);
+  const double blurred = std::clamp((voxel_mm - kFineMm) / (kCoarseMm - kFineMm), 0.0, 1.0) *
+                         std::clamp((kThickMm - voxel_mm) / (kThickMm - kThinMm), 0.0, 1.0);
+  return static_cast<float>((0.45 + 0.35 * blurred * (1.0 - peak / kCortexHu)) * peak);
 }
 
 /// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.
