@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/error.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
@@ -43,6 +44,8 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   options.weights.alike = weights.number("alike");
   options.weights.along_axis = weights.number("along_axis");
   // Named hold once; rules of before this weight: as then, without the term.
+  if (weights.has("hold") && weights.has("fixation"))
+    fail(path.string(), ": hold is fixation's old name: leave one of them out");
   const char* const fixation = weights.has("hold") ? "hold" : "fixation";
   options.weights.fixation = weights.has(fixation) ? weights.number(fixation) : 0.0;
   return options;

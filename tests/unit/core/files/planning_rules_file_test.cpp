@@ -61,6 +61,7 @@ TEST(PlanningRulesFile, IsRejectedWithTheKeyAtFaultNamed) {
   rejects_changed([](Json& json) { json["widest_share"] = "wide"; }, "widest_share");
   rejects_changed([](Json& json) { json["marginn_mm"] = 2.0; }, "marginn_mm");
   rejects_changed([](Json& json) { json["weights"]["canals"] = 2.0; }, "canals");
+  rejects_changed([](Json& json) { json["weights"]["hold"] = 0.5; }, "old name");
   rejects_changed([](Json& json) { json["weights"].erase("canal"); }, "canal");
   rejects_changed([](Json& json) { json["weights"] = 3; }, "object");
 }
