@@ -1,6 +1,7 @@
 #include "core/anatomy/inside_bone.h"
 
 #include <cmath>
+#include <limits>
 
 namespace spinaltap {
 
@@ -21,6 +22,22 @@ std::vector<std::uint8_t> inside_bone(const BoneShape& bone, std::span<const Vec
   if (!suspect.empty()) bone.surface().evaluate(suspect_mm, values_mm, {});
   for (std::size_t n = 0; n < suspect.size(); ++n) inside[suspect[n]] = values_mm[n] < 0.0 ? 1 : 0;
   return inside;
+}
+
+std::vector<float> hu_inside_bone(const BoneShape& bone, const HuSampler& hu, std::span<const Vec3> points_mm) {
+  const std::vector<std::uint8_t> inside = inside_bone(bone, points_mm);
+  std::vector<Vec3> in_bone_mm;
+  for (std::size_t n = 0; n < points_mm.size(); ++n) {
+    if (inside[n] != 0) in_bone_mm.push_back(points_mm[n]);
+  }
+  std::vector<float> found_hu(in_bone_mm.size());
+  if (!in_bone_mm.empty()) hu(in_bone_mm, found_hu);
+  std::vector<float> values_hu(points_mm.size(), std::numeric_limits<float>::quiet_NaN());
+  std::size_t next = 0;
+  for (std::size_t n = 0; n < points_mm.size(); ++n) {
+    if (inside[n] != 0) values_hu[n] = found_hu[next++];
+  }
+  return values_hu;
 }
 
 }  // namespace spinaltap

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/anatomy/bone_shape.h"
+#include "core/ct/hu_to_density.h"
 
 namespace spinaltap {
 
@@ -15,5 +16,8 @@ inline constexpr double kSureLatticeMm = 0.5;
 /// 1 where a place is in the bone. As BoneShape::is_inside() of each, but the surface is asked only where the lattice
 /// leaves a warning.
 std::vector<std::uint8_t> inside_bone(const BoneShape& bone, std::span<const Vec3> points_mm);
+
+/// CT numbers at places, HU; NaN outside the bone, of which `hu` is not asked.
+std::vector<float> hu_inside_bone(const BoneShape& bone, const HuSampler& hu, std::span<const Vec3> points_mm);
 
 }  // namespace spinaltap

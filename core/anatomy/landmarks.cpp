@@ -158,6 +158,30 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   return found;
 }
 
+const char* name_of(VertebraPart part) {
+  switch (part) {
+    case VertebraPart::body:
+      return "body";
+    case VertebraPart::pedicle:
+      return "pedicle";
+    case VertebraPart::lamina:
+      return "lamina";
+    case VertebraPart::spinous_process:
+      return "spinous process";
+    case VertebraPart::transverse_process:
+      return "transverse process";
+    case VertebraPart::superior_articular_process:
+      return "superior articular process";
+    case VertebraPart::superior_joint:
+      return "joint surface of the superior articular process";
+    case VertebraPart::other_vertebra:
+      return "other vertebra";
+    case VertebraPart::inferior_articular_process:
+      break;
+  }
+  return "inferior articular process";
+}
+
 Vec3 Landmarks::to_own(const Vec3& p_patient) const { return axes.transpose() * (p_patient - origin_mm); }
 
 Vec3 Landmarks::to_patient(const Vec3& p_own) const { return origin_mm + axes * p_own; }

@@ -16,30 +16,6 @@ const PedicleLandmarks& pedicle_of(const Landmarks& landmarks, std::size_t side)
 
 }  // namespace
 
-const char* name_of(VertebraPart part) {
-  switch (part) {
-    case VertebraPart::body:
-      return "body";
-    case VertebraPart::pedicle:
-      return "pedicle";
-    case VertebraPart::lamina:
-      return "lamina";
-    case VertebraPart::spinous_process:
-      return "spinous process";
-    case VertebraPart::transverse_process:
-      return "transverse process";
-    case VertebraPart::superior_articular_process:
-      return "superior articular process";
-    case VertebraPart::superior_joint:
-      return "joint surface of the superior articular process";
-    case VertebraPart::other_vertebra:
-      return "other vertebra";
-    case VertebraPart::inferior_articular_process:
-      break;
-  }
-  return "inferior articular process";
-}
-
 VertebraParts::VertebraParts(const BoneShape& bone, const Landmarks& landmarks) : landmarks_(landmarks) {
   // The tip is the highest place behind the pedicle, not as far out as the transverse process.
   constexpr double kBesideMm = 4.0;

@@ -31,7 +31,7 @@ class DrillForces {
 
   /// Back to the state after construction.
   void reset() noexcept;
-  /// From now on forces have DrillForce::hold, also of a wall that nothing is pressed on yet: a microsecond a cycle.
+  /// From now on forces have DrillForce::contact, also of a wall that nothing is pressed on yet: a microsecond a cycle.
   void report_contact() noexcept;
   /// From now on forces have no DrillForce::support_n, and force_n is without it: a microsecond and a half less a
   /// cycle.

@@ -151,9 +151,9 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
   }
 }
 
-Brightness brightness_of(float hu, float peak_hu, double voxel_mm) {
+Brightness brightness_of(float hu, float edge_hu) {
   constexpr float kMetalHu = 2500.0F, kCementHu = 900.0F;
-  if (hu < edge_hu(peak_hu, voxel_mm)) return Brightness::kDim;
+  if (hu < edge_hu) return Brightness::kDim;
   return hu < kCementHu ? Brightness::kBone : hu < kMetalHu ? Brightness::kCement : Brightness::kMetal;
 }
 
@@ -195,10 +195,10 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
     // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
     cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(smooth, kGapReachMm).peak : std::move(closing.peak);
   }
+  const BoneEdge edge(ct.geometry);
   cut.brightness.resize(cut.peak_hu.size());
-  std::transform(
-      smooth.values.begin(), smooth.values.end(), cut.peak_hu.begin(), cut.brightness.begin(),
-      [&](float value, float peak) { return brightness_of(value, peak, ct.geometry.spacing_mm.maxCoeff()); });
+  std::transform(smooth.values.begin(), smooth.values.end(), cut.peak_hu.begin(), cut.brightness.begin(),
+                 [&](float value, float peak) { return brightness_of(value, edge.hu(peak)); });
   free_memory(smooth.values);
   cut.probability = walk_randomly(cut.markers, cut.conductivity, geometry);
   return cut;

@@ -17,14 +17,14 @@ void ContactStiffnessSum::add(const Vec3& from_tip_mm, const Vec3& direction, do
 ContactStiffness ContactStiffnessSum::in_patient(const PathFrame& frame, double factor) const noexcept {
   Mat3 turn;
   for (Eigen::Index n = 0; n < 3; ++n) turn.col(n) = frame.to_patient(Pose{Vec3::Zero(), Vec3::Unit(n)}).axis;
-  ContactStiffness hold;
-  hold.moment_n_mm = factor * (turn * moment_n_mm_);
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(hold.stiffness.data());
+  ContactStiffness contact;
+  contact.moment_n_mm = factor * (turn * moment_n_mm_);
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(contact.stiffness.data());
   all.topLeftCorner<3, 3>() = turn * ways_ * turn.transpose();
   all.topRightCorner<3, 3>() = turn * mixed_ * turn.transpose();
   all.bottomLeftCorner<3, 3>() = all.topRightCorner<3, 3>().transpose();
   all.bottomRightCorner<3, 3>() = turn * turns_ * turn.transpose();
-  return hold;
+  return contact;
 }
 
 }  // namespace spinaltap

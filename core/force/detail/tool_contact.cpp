@@ -127,7 +127,7 @@ double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) c
   return bone_mm;
 }
 
-Vec3 ToolContact::contact_n(const Pose& pose, ContactStiffnessSum* hold) const noexcept {
+Vec3 ToolContact::contact_n(const Pose& pose, ContactStiffnessSum* stiffness) const noexcept {
   const Vec3 u = is_plate_ ? pose.side : any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   Vec3 force_n = Vec3::Zero();
@@ -139,7 +139,7 @@ Vec3 ToolContact::contact_n(const Pose& pose, ContactStiffnessSum* hold) const n
     const double stiff_n_mm = place.share * bone->contact_n_mm;
     const double push_n = stiff_n_mm * depth_mm(p, inward, place.max_mm);
     force_n += push_n * inward;
-    if (hold != nullptr) hold->add(p - pose.tip_mm, inward, stiff_n_mm, push_n);
+    if (stiffness != nullptr) stiffness->add(p - pose.tip_mm, inward, stiff_n_mm, push_n);
   }
   return force_n;
 }

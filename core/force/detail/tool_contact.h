@@ -18,8 +18,9 @@ class ToolContact {
   /// Throws Error on a bad bit.
   ToolContact(const OccupiedBone& bone, const DrillBit& bit);
 
-  /// Force on the bit, N; `pose` and force in the bone's coordinates. `hold`, where it is given, has its part added.
-  Vec3 contact_n(const Pose& pose, ContactStiffnessSum* hold = nullptr) const noexcept;
+  /// Force on the bit, N; `pose` and force in the bone's coordinates. `stiffness`, where it is given, has its part
+  /// added.
+  Vec3 contact_n(const Pose& pose, ContactStiffnessSum* stiffness = nullptr) const noexcept;
   std::size_t place_count() const { return places_.size(); }
 
  private:

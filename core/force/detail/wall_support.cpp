@@ -14,7 +14,7 @@ WallSupport::WallSupport(const OccupiedBone& bone, const DrillBit& bit)
       end_mm_(bit.length_mm) {}
 
 Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
-                          ContactStiffnessSum* hold) noexcept {
+                          ContactStiffnessSum* stiffness) noexcept {
   constexpr double kRingMm = 2.0;
   constexpr double kFeltMm = 1e-6;
   if (!has_lands_) return Vec3::Zero();
@@ -22,7 +22,7 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
   const double left = 1.0 / (1.0 + turns);  // of what was pressed, by the implicit Euler method
   pressed_mm_ = left * across(pressed_mm_ + moved_mm);
   turned_ = left * across(turned_ + turned);
-  if (hold == nullptr && !(pressed_mm_.norm() + end_mm_ * turned_.norm() > kFeltMm)) return Vec3::Zero();
+  if (stiffness == nullptr && !(pressed_mm_.norm() + end_mm_ * turned_.norm() > kFeltMm)) return Vec3::Zero();
   const Vec3 u = any_perpendicular(pose.axis), v = pose.axis.cross(u);
   const double spacing_mm = bone_->spacing_mm(pose.tip_mm);
   // Half a ring of wall, each place by how far it is pressed along its own radius: its quarter to both sides.
@@ -39,7 +39,7 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
       if (wall == nullptr) continue;
       const double stiff_n_mm = area * wall->contact_n_mm;
       force_n -= stiff_n_mm * into_mm * direction;
-      if (hold != nullptr) hold->add(-back_mm * pose.axis, direction, stiff_n_mm, -stiff_n_mm * into_mm);
+      if (stiffness != nullptr) stiffness->add(-back_mm * pose.axis, direction, stiff_n_mm, -stiff_n_mm * into_mm);
     }
   }
   return force_n;

@@ -16,10 +16,10 @@ class WallSupport {
 
   void reset() noexcept { pressed_mm_.setZero(), turned_.setZero(); }
   /// Force on the drill, N, after a cycle in which its tip went by `moved_mm` and its axis changed by `turned`, `turns`
-  /// of its own long; all in the bone's coordinates. `hold`, where it is given, has the wall's part added to it, also
-  /// of a wall that is not pressed.
+  /// of its own long; all in the bone's coordinates. `stiffness`, where it is given, has the wall's part added to it,
+  /// also of a wall that is not pressed.
   Vec3 force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
-               ContactStiffnessSum* hold = nullptr) noexcept;
+               ContactStiffnessSum* stiffness = nullptr) noexcept;
 
  private:
   const OccupiedBone* bone_;

@@ -64,24 +64,16 @@ ToolSections::ToolSections(const BoneShape& bone,
       }
     }
   }
-  const std::vector<std::uint8_t> inside = inside_bone(bone, places_mm);
-  std::vector<Vec3> in_bone_mm;
-  for (std::size_t n = 0; n < places_mm.size(); ++n) {
-    if (inside[n] != 0) in_bone_mm.push_back(places_mm[n]);
-  }
-  std::vector<float> found_hu(in_bone_mm.size());
-  if (!in_bone_mm.empty()) hu(in_bone_mm, found_hu);
+  const std::vector<float> values_hu = hu_inside_bone(bone, hu, places_mm);
 
   sections_.resize(depths_mm_.size());
   std::size_t place = 0;
-  std::size_t next = 0;
   for (Section& section : sections_) {
     for (int annulus = 0; annulus < kAnnuli; ++annulus) {
       Sums& sums = section[static_cast<std::size_t>(annulus)];
       sums.bands.assign(band_count_, 0);
       for (int n = 0; n < places_of(annulus); ++n, ++place) {
-        if (inside[place] == 0) continue;
-        const auto value_hu = static_cast<double>(found_hu[next++]);
+        const auto value_hu = static_cast<double>(values_hu[place]);
         if (!std::isfinite(value_hu)) continue;
         ++sums.count;
         sums.hu += value_hu;

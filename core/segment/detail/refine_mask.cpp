@@ -42,7 +42,7 @@ RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const 
   const std::vector<float> to_mine = squared_distance_within(binned.mine, binned.geometry, bin_mm);
   const std::vector<float> to_other = squared_distance_within(other, binned.geometry, bin_mm);
   const std::vector<float> to_outside = squared_distance_within(not_mine, binned.geometry, bin_mm);
-  const double voxel_mm = ct.geometry.spacing_mm.maxCoeff();
+  const BoneEdge edge(ct.geometry);
   const bool is_fine = binned.bins != std::array<int, 3>{1, 1, 1};
 
   const FloatGrid hu = blurred_as_asked(crop_hu(ct, box), levels, ct);
@@ -58,7 +58,7 @@ RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const 
         const std::size_t voxel = hu.geometry.offset(i, j, k);
         const bool is_deep = binned.mine[coarse] != 0 && to_outside[coarse] > one_bin;
         const bool is_bone =
-            hu.values[voxel] >= std::max(static_cast<float>(levels.low_hu), edge_hu(binned.peak_hu[coarse], voxel_mm));
+            hu.values[voxel] >= std::max(static_cast<float>(levels.low_hu), edge.hu(binned.peak_hu[coarse]));
         const bool is_near = to_mine[coarse] <= one_bin && to_mine[coarse] < to_other[coarse];
         const bool in_body = binned.mine[coarse] != 0 && binned.depth_mm[coarse] > kSureDepthMm;
         deep[voxel] = is_deep ? 1 : 0;

@@ -25,15 +25,25 @@ struct BinnedVertebra {
 /// the full CT number of cortex somewhat under half of its peak, which gives meshes of real vertebrae their volume
 /// back. A wall thinner than the blur does not reach it, and its edge lies the nearer to its peak the lower that is;
 /// not so in voxels finer than walls, which show them as they are, and less in thick ones, which dilute the peak
-/// itself. `voxel_mm`: the CT's largest spacing.
-inline float edge_hu(float peak_hu, double voxel_mm) {
-  constexpr double kCortexHu = 1200.0;  // more is no measure: metal
-  constexpr double kFineMm = 0.8, kCoarseMm = 1.0, kThinMm = 1.6, kThickMm = 2.5;
-  const double peak = std::min<double>(peak_hu, kCortexHu);
-  const double blurred = std::clamp((voxel_mm - kFineMm) / (kCoarseMm - kFineMm), 0.0, 1.0) *
-                         std::clamp((kThickMm - voxel_mm) / (kThickMm - kThinMm), 0.0, 1.0);
-  return static_cast<float>((0.45 + 0.35 * blurred * (1.0 - peak / kCortexHu)) * peak);
-}
+/// itself.
+class BoneEdge {
+ public:
+  explicit BoneEdge(const GridGeometry& ct) {
+    constexpr double kFineMm = 0.8, kCoarseMm = 1.0, kThinMm = 1.6, kThickMm = 2.5;
+    const double voxel_mm = ct.spacing_mm.maxCoeff();
+    more_of_thin_ = 0.35 * (std::clamp((voxel_mm - kFineMm) / (kCoarseMm - kFineMm), 0.0, 1.0) *
+                            std::clamp((kThickMm - voxel_mm) / (kThickMm - kThinMm), 0.0, 1.0));
+  }
+
+  float hu(float peak_hu) const {
+    constexpr double kCortexHu = 1200.0;  // more is no measure: metal
+    const double peak = std::min<double>(peak_hu, kCortexHu);
+    return static_cast<float>((0.45 + more_of_thin_ * (1.0 - peak / kCortexHu)) * peak);
+  }
+
+ private:
+  double more_of_thin_ = 0.0;  ///< share of the peak that is added as the peak goes to 0
+};
 
 /// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.
 struct RefinedMask {
